@@ -3,7 +3,7 @@ from .calibrating import calibrate as calibrate
 from .deploying import deploy as deploy
 from .folders import check_free as check_free
 from .logs import traces as traces
-from .logs.answers import answer_of as answer_of
+from .logs.answers import answer_of as answer_of, gaps_in as gaps_in
 from .logs.bags import is_bag as is_bag, read_bag as read_bag
 from .logs.clocks import Clock as Clock
 from .logs.folders import (

@@ -39,8 +39,7 @@ def export(
         return Answer(files={out: counted(store.export(data, out, out.suffix.lower()[1:]), "row")})
     if where is not None:
         raise option_conflict("where", None, f"is for results files: {source} holds robots' logs")
-    written = write_mcap(source, out)
-    for why in [f"{counted(written.lost, 'byte')} of logs are cut or damaged"] * bool(written.lost) + [*written.absent]:
-        say(f"{source}: left out: {why}")
-    robots, ticks = counted(written.robots, "robot"), counted(written.ticks, "tick")
-    return Answer(files={out: f"{robots}, {ticks}, {counted(written.messages, 'message')}"})
+    written, gaps = write_mcap(source, out)
+    for gap in gaps:
+        say(f"{source}: {gap}")
+    return Answer(files={out: written})

@@ -82,16 +82,17 @@ def watch(
 
 def _gaps(logged: "LoggedRecording") -> Iterator[str]:
     """What is unknown of a recording."""
+    from swarmcensus.robots import gaps_in
+
     if logged.grows:
         yield "this swarm still runs: the page follows it"
-    for what in logged.recording.absent:
-        yield f"left out: {what}"
+    else:
+        yield from gaps_in(logged.recording)
     if not any(life.ticks for life in logged.lives):
         yield "the logs hold no ticks: nothing to show"
     whole, lives = sum(life.to_the_bit for life in logged.lives), len(logged.lives)
     if whole < lives:
-        states = f"{whole} of {counted(lives, 'robot')} lived again to the bit"
-        yield f"{states}: swarmcensus relive says where the others differ"
+        yield f"{whole} of {counted(lives, 'robot')} lived again to the bit: swarmcensus relive says how others differ"
 
 
 def open_browser(address: str) -> None:

@@ -126,7 +126,7 @@ def curves(
     unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
     name_axes(place, f"{unit}{note}", "share of opinions for black" if opinions else "estimated fill ratio $x$")
     add_key([place], "", entries)
-    return captioned(axes, curves, remarks=[without_theory("", missing)])
+    return captioned(axes, curves, remarks=[*trace.attrs.get("gaps", ()), without_theory("", missing)])
 
 
 def _draw_truth(ax: Axes, trace: xr.Dataset, bins: int) -> tuple[Artist, Artist]:

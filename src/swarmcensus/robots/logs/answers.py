@@ -1,14 +1,14 @@
 """What came of running robots' brains again, in words and rows, and whether it is so to the bit."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from swarmcensus.robots.logs.folders import Recording
-from swarmcensus.robots.logs.foreign_logs import strangers_of
-from swarmcensus.robots.logs.lives import Lost, RobotReplay
+from swarmcensus.robots.logs.foreign_logs import other_hashes, strangers_of
+from swarmcensus.robots.logs.lives import LEAST_TICKS, Lost, RobotReplay, lost_in
 from swarmcensus.simulation import correct
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
@@ -25,36 +25,46 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay]) -> Answer:
     liars = sum(not member.honest for member in recording.members)
     who = robots + f", {liars} of them not honest" * (liars > 0)
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
-    logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording, lives)
+    strangers = strangers_of(recording, {life.number for life in lives if life.breaks})
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
-    others = [(number, f": not of this recording: {why}") for number, why in strangers.items()]
-    details = [*_grouped([*others, *_sentences_on(lives, strangers)], len(lives))]
-    is_whole = not recording.absent and not any(life.lost for life in lives)
+    said = [(number, f": not of this recording: {why}") for number, why in strangers.items()]
+    said += [
+        (life.number, f", boot {one.boot}: differs at tick {one.tick} in {one.field}")
+        for life in lives for one in life.breaks if life.number not in strangers
+    ]  # fmt: skip
+    files = [(one.number, f": {hashes}") for one in recording.members for hashes in other_hashes(one)]
+    logs, gaps, lost = "its log" if len(lives) == 1 else "their logs", gaps_in(recording), lost_in(recording)
     return Answer(
         title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
         sentences=[
             verdict if ticks else "the logs hold no ticks: nothing to compare",
             *[f"{counted(unknown, 'tick')} not lived again: the memory before is not known"] * bool(unknown),
-            *details[:MOST], *[f"... and {len(details) - MOST:,} more"] * (len(details) > MOST),
+            *_grouped(said, len(lives)),
         ],
-        cautions=[f"left out: {what}" for what in recording.absent], rows=_rows(recording, lives),
-        code=0 if is_whole and same == len(lives) and ticks and not strangers else DIFFER,
+        cautions=[*gaps, *_grouped([] if strangers else files, len(lives))], rows=_rows(recording, lives),
+        code=0 if not gaps and same == len(lives) and ticks and not strangers else DIFFER,
         fields={
             "recording": recording.title, "fill_ratio": recording.fill_ratio, "strangers": strangers,
             "robots": [
-                {k: v for k, v in vars(one).items() if k != "lived"} | {"to_the_bit": one.to_the_bit} for one in lives
+                {k: v for k, v in vars(one).items() if k != "lived"}
+                | {"lost": lost[one.number], "to_the_bit": one.to_the_bit} for one in lives
             ],
         },
     )  # fmt: skip
 
 
-def _sentences_on(lives: Sequence[RobotReplay], strangers: Mapping[int, str]) -> Iterator[tuple[int, str]]:
-    """Sentences by robot: in what it differs, unless its log is another recording's, and what its log lacks."""
-    for life in lives:
-        for one in life.breaks if life.number not in strangers else ():
-            yield life.number, f", boot {one.boot}: differs at tick {one.tick} in {one.field}"
-        for lost in life.lost:
-            yield life.number, f", boot {lost.boot}: {_ticks(lost)} not in the log: {lost.reason}"
+def gaps_in(recording: Recording) -> list[str]:
+    """What a recording lacks: logs, its end, and parts of logs."""
+    found, about = [f"left out: {what}" for what in recording.absent], recording.about
+    rounds, lived = about.get("rounds"), max(member.log.last.tick for member in recording.members)
+    is_short = "result" not in about and isinstance(rounds, int) and lived + LEAST_TICKS < rounds
+    if is_short or about.get("ended", 0) is None:
+        found.append(f"the recording was not finished: its logs end at tick {lived:,}")
+    lost = [
+        (number, f", boot {one.boot}: {_ticks(one)} not in the log: {one.reason}")
+        for number, parts in lost_in(recording).items() for one in parts
+    ]  # fmt: skip
+    return [*found, *_grouped(lost, len(recording.members))]
 
 
 def _ticks(lost: Lost) -> str:
@@ -69,11 +79,13 @@ def _grouped(said: Sequence[tuple[int, str]], robots: int) -> Iterator[str]:
     of = defaultdict(set)
     for number, text in said:
         of[text].add(number)
-    for text, numbers in of.items():
+    for text, numbers in [*of.items()][:MOST]:
         named = ", ".join(map(str, sorted(numbers)[:NAMED]))
         more = f" and {len(numbers) - NAMED:,} more" if len(numbers) > NAMED else ""
         several = f"all {robots:,} robots" if len(numbers) == robots else f"robots {named}{more}"
         yield (f"robot {named}" if len(numbers) == 1 else several) + text
+    if len(of) > MOST:
+        yield f"... and {len(of) - MOST:,} more"
 
 
 def _rows(recording: Recording, lives: Sequence[RobotReplay]) -> list[dict[str, Any]]:

@@ -100,7 +100,12 @@ def _events(path: Path, templates: Mapping[str, str]) -> dict[str, list[Event]]:
                 for name, topics in robots.items():
                     if one.topic in topics:
                         found[name].append(Event(time, one.topic, topics[one.topic], value))
-            _check_counts(reader.message_count, {one.topic: one.msgcount for one in reader.connections}, wanted, read)
+            parts = getattr(reader.storage, "storages", [reader.storage])  # files; of a file it is the only one
+            there = Counter[str]()
+            for one in (one for part in parts for one in part.connections):
+                there[one.topic] += one.msgcount
+            listed = {topic: about.msgcount for topic, about in reader.topics.items()}
+            _check_counts(reader.message_count, listed, dict(there) | {one.topic: read[one.topic] for one in wanted})
     except InputError:
         raise
     except Exception as error:  # a damaged bag raises anything
@@ -158,11 +163,11 @@ def _check_mcap(file: Path) -> None:
                 pass
 
 
-def _check_counts(total: int, counts: Mapping[str, int], wanted: Sequence[Any], read: Mapping[str, int]) -> None:
-    """Raise ValueError if other messages were read than metadata.yaml or the file's index counts."""
-    for topic in {one.topic for one in wanted}:
-        if counts[topic] != read[topic]:
-            raise ValueError(f"{topic} has {read[topic]:,} messages, and {counts[topic]:,} were counted as recorded")
+def _check_counts(total: int, counts: Mapping[str, int], there: Mapping[str, int]) -> None:
+    """Raise ValueError if other messages are there, or were read, than metadata.yaml or the file's index counts."""
+    for topic in sorted(counts.keys() | there.keys()):
+        if (found := there.get(topic, 0)) != (listed := counts.get(topic, 0)):
+            raise ValueError(f"{topic} has {found:,} messages, and {listed:,} were counted as recorded")
     if total != sum(counts.values()):
         raise ValueError(f"its topics have {sum(counts.values()):,} messages, and {total:,} were counted as recorded")
 

@@ -1,25 +1,23 @@
 """Logs that are not of their folder's recording: by robots' numbers, the times of their starts, sensors and brains."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
-from swarmcensus.robots.logs.lives import RobotReplay
 
 APART = 60_000  # ms by which the clocks of robots and of swarm.json may differ
 INEXACT = 1e-5  # of accuracies that are written in decimal digits
 
 
-def strangers_of(recording: Recording, lives: Sequence[RobotReplay]) -> dict[int, str]:
-    """Why logs are not of this recording, by the numbers of their robots."""
-    pairs = zip(recording.members, lives, strict=True)
-    why = {member.number: next(_reasons(member, life, recording.about), "") for member, life in pairs}
+def strangers_of(recording: Recording, differ: Collection[int] = ()) -> dict[int, str]:
+    """Why logs are not of this recording, by the numbers of their robots; `differ`: those with states that differ."""
+    why = {one.number: next(_reasons(one, one.number in differ, recording.about), "") for one in recording.members}
     return {number: reason for number, reason in why.items() if reason}
 
 
-def _reasons(member: LoggedRobot, life: RobotReplay, about: Mapping[str, Any]) -> Iterator[str]:
+def _reasons(member: LoggedRobot, differs: bool, about: Mapping[str, Any]) -> Iterator[str]:
     """Why a robot's log is not of the recording. A brain of another hash only counts where states differ."""
     logs = {one["number"]: one for one in about.get("robots", []) if "number" in one}
     entry = logs.get(member.number, {})
@@ -35,8 +33,15 @@ def _reasons(member: LoggedRobot, life: RobotReplay, about: Mapping[str, Any]) -
         stated, own = entry.get(key), getattr(first, key)
         if isinstance(stated, int | float) and abs(own - stated) > INEXACT:
             yield f"its log has {key} = {own:g}, and swarm.json {stated:g}"
-    if life.breaks and first.brain != bytes(8) and not member.brain.sha256.startswith(first.brain.hex()):
-        hashes = f"{first.brain.hex()}, and that of {member.brain.path} with {member.brain.sha256[:16]}"
+    if differs:
+        yield from other_hashes(member)
+
+
+def other_hashes(member: LoggedRobot) -> Iterator[str]:
+    """Which hash the brain's file had on the robot, if it is not that of the file that was run."""
+    brain, logged = member.brain, member.log.states[0].brain
+    if logged != bytes(8) and not brain.sha256.startswith(logged.hex()):
+        hashes = f"{logged.hex()}, and that of {brain.path} with {brain.sha256[:16]}"
         yield f"the hash of its brain's file begins with {hashes}"
 
 

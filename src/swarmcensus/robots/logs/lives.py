@@ -7,13 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from swarmcensus.brains import Brain, slots
+from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
+from swarmcensus.robots.logs.foreign_logs import strangers_of
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
 from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
 from swarmcensus.support.fork import in_background
 from swarmcensus.support.formatting import counted
 
 LARGE = 20_000  # blocks of all logs, from which on a second process is worth its start
+# a log lacks its end that is further before that of others than robots stop apart, or than their clocks differ
+LEAST_TICKS, LEAST_MS, LEAST_SHARE = 5, 1000, 0.02
 
 
 class Break(NamedTuple):
@@ -51,7 +55,7 @@ class RobotReplay:
     relived: int = 0  # of these, to the bit
     unknown: int = 0  # of these, from a memory that is not known
     breaks: list[Break] = field(default_factory=list)
-    lost: list[Lost] = field(default_factory=list)
+    lost: list[Lost] = field(default_factory=list)  # what its log alone shows; `lost_in` knows more
     lived: dict[int, Lived] = field(default_factory=dict)  # by the blocks of ticks and starts
 
     @property
@@ -60,13 +64,10 @@ class RobotReplay:
         return not self.breaks
 
 
-def relive(member: LoggedRobot, keep: bool = False, about: Mapping[str, Any] = {}) -> RobotReplay:
-    """Live a robot's life again, from each state after a gap or a difference.
-
-    `keep` keeps its memory of each tick; `about` is the content of swarm.json.
-    """
+def relive(member: LoggedRobot, keep: bool = False) -> RobotReplay:
+    """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
     life = Reliving(member, keep).go_on()
-    life.lost = [*_lost(member.log)] or [*_lost_end(member.log, about)]
+    life.lost = [*_lost(member.log)]
     return life
 
 
@@ -153,8 +154,16 @@ def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:
     half = len(recording.members) // 2
     if sum(len(member.log.blocks) for member in recording.members) < LARGE:
         half = len(recording.members)
-    rest = in_background(lambda: [relive(member, keep, recording.about) for member in recording.members[half:]])
-    return [relive(member, keep, recording.about) for member in recording.members[:half]] + rest()
+    rest = in_background(lambda: [relive(member, keep) for member in recording.members[half:]])
+    return [relive(member, keep) for member in recording.members[:half]] + rest()
+
+
+def lost_in(recording: Recording) -> dict[int, list[Lost]]:
+    """What each log lacks, by robot, without living it again."""
+    lost = {member.number: [*_lost(member.log)] for member in recording.members}
+    for log, reason in _cut_ends(recording):
+        lost[log.number] = lost[log.number] or [Lost(log.states[-1].boot, log.last.tick, None, reason)]
+    return lost
 
 
 def is_relived(replica: Replica, tick: Tick) -> bool:
@@ -192,9 +201,34 @@ def _lost(log: RobotLog) -> Iterator[Lost]:
         yield Lost(boot, last, None, gap)
 
 
-def _lost_end(log: RobotLog, about: Mapping[str, Any]) -> Iterator[Lost]:
-    """What a log lacks that was cut between two blocks: it has fewer ticks than the swarm counted."""
-    with contextlib.suppress(LookupError, TypeError):  # of a swarm.json that others wrote
-        counts, ticks = about["result"]["ticks"][log.number], len(log.ticks)
-        if ticks < counts:
-            yield Lost(log.states[-1].boot, log.last.tick, None, f"it has {ticks:,} of {counts:,} lived ticks")
+def _cut_ends(recording: Recording) -> Iterator[tuple[RobotLog, str]]:
+    """The logs that were cut between two blocks, and how that is known."""
+    strangers, counts = strangers_of(recording), dict[int, int]()
+    own = [member for member in recording.members if member.number not in strangers]
+    with contextlib.suppress(LookupError, TypeError):  # none is known, or others wrote swarm.json
+        counts = {k: x for k, x in enumerate(recording.about["result"]["ticks"]) if isinstance(x, int)}
+    logs, clock = {member.number: member.log for member in own}, Clock(own)
+    heard = _last_heard(logs) if logs.keys() - counts.keys() else {}
+    for number, log in logs.items():
+        earlier, ticks = clock.rounds - clock.last(number), [tick.tick for tick in log.ticks]
+        least = max(LEAST_TICKS, LEAST_MS / max(log.states[0].period, 1), LEAST_SHARE * clock.rounds)
+        if len(ticks) < counts.get(number, 0):
+            yield log, f"it has {len(ticks):,} of {counts[number]:,} lived ticks"
+        elif heard.get(number, 0) > max(ticks, default=0) + LEAST_TICKS:  # of all boots: some robots cannot count them
+            yield log, f"another robot heard it in its tick {heard[number]:,}"
+        elif number not in counts and clock.is_common and earlier > least:
+            yield log, f"it ends {earlier:,} ticks before the last log: it was cut, or the robot stopped"
+
+
+def _last_heard(logs: Mapping[int, RobotLog]) -> dict[int, int]:
+    """The last tick of each robot's last boot in which another heard it, or an earlier one; messages count to 2^16."""
+    boots = {number: log.states[-1].boot & 0xFF for number, log in logs.items()}
+    first = {k: min(state.tick for state in log.states if state.boot & 0xFF == boots[k]) for k, log in logs.items()}
+    last = dict(first)
+    for receiver, log in logs.items():
+        at = dict(first)
+        for one in (one for tick in log.ticks for one in tick.heard if one.sender != receiver):
+            if boots.get(one.sender) == one.boot:
+                at[one.sender] += (one.tick - at[one.sender] + 0x8000) % 0x10000 - 0x8000
+                last[one.sender] = max(last[one.sender], at[one.sender])
+    return last

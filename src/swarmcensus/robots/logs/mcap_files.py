@@ -7,13 +7,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from swarmcensus.robots.logs.answers import gaps_in
 from swarmcensus.robots.logs.clocks import LogTimes
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording, read_recording
-from swarmcensus.robots.logs.logs import Gap, State, Tick
+from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.replicas import Unfit, replica_of
 from swarmcensus.runtime.runtime import Messages
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
+from swarmcensus.support.formatting import counted
 
 NANO = 10**6  # nanoseconds of a millisecond
 LATEST = 2**63 - 1  # ns that a file holds
@@ -30,16 +32,6 @@ CHANNELS: dict[str, dict[str, Any]] = {
 TRUTH = "/swarm/fill_ratio"
 
 
-class Written(NamedTuple):
-    """What went into a file, and what did not."""
-
-    robots: int
-    ticks: int
-    messages: int
-    lost: int  # bytes of logs that are cut or damaged
-    absent: tuple[str, ...]  # logs that could not be read, and why
-
-
 class Event(NamedTuple):
     """A message of the file; those of a time keep the order of robots and of what happened in a tick."""
 
@@ -50,8 +42,10 @@ class Event(NamedTuple):
     content: dict[str, Any]
 
 
-def write_mcap(folder: str | Path, out: str | Path) -> Written:
+def write_mcap(folder: str | Path, out: str | Path) -> tuple[str, list[str]]:
     """Write the logs of a folder as an MCAP file with a channel for each robot and each kind of event.
+
+    Returns what was written, and what the logs lack.
 
     Messages are JSON with a schema, in the order of time. Raises InputError for logs that cannot be read, two of one
     robot, a brain that is not known, a file that cannot be written, and if the library mcap is missing.
@@ -72,9 +66,9 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
             texts = {key: x if isinstance(x, str) else json.dumps(x) for key, x in recording.about.items()}
             writer.add_metadata("swarm", texts)
         writer.finish()
-    logs = [member.log for member in recording.members]
-    lost = sum(block.length for log in logs for block in log.blocks if isinstance(block, Gap))
-    return Written(len(logs), sum(len(log.ticks) for log in logs), messages, lost, recording.absent)
+    robots, ticks = len(firsts), sum(len(member.log.ticks) for member in recording.members)
+    written = f"{counted(robots, 'robot')}, {counted(ticks, 'tick')}, {counted(messages, 'message')}"
+    return written, gaps_in(recording)
 
 
 def _events(recording: Recording, origin: int) -> Iterator[tuple[str, Event]]:

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains import Brain, slots
+from swarmcensus.robots.logs.answers import gaps_in
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import Recording, read_recording
 from swarmcensus.robots.logs.lives import RobotReplay, relive_all
@@ -269,6 +270,6 @@ def as_trace(recording: Recording, lives: Sequence[RobotReplay]) -> xr.Dataset:
 
 
 def trace_in(folder: Path) -> xr.Dataset:
-    """The trace of a folder of robots' logs. Raises InputError."""
+    """The trace of a folder of robots' logs; `gaps` is what they lack. Raises InputError."""
     recording = read_recording(folder)
-    return as_trace(recording, relive_all(recording, keep=True))
+    return as_trace(recording, relive_all(recording, keep=True)).assign_attrs(gaps=gaps_in(recording))

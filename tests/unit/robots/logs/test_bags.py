@@ -207,6 +207,8 @@ COUNTED = "(/robot_0/floor has 300 messages, and {} were counted as recorded): "
         (("message_count: 300", "message_count: 301"), COUNTED.format(301)),
         (("message_count: 300", "message_count: 299"), COUNTED.format(299)),
         (("\n  message_count: 600", "\n  message_count: 900"), "(its topics have 600 messages, and 900 were counted"),
+        (("name: /robot_1/floor", "name: /floor"), "(/floor has 0 messages, and 300 were counted as recorded): "),
+        (("name: /robot_1/floor", "name: /robot_0/floor"), "(/robot_0/floor has 300 messages, and 600 were counted"),
         (("relative_file_paths:", "relative_file_paths:\n  - more"), "/bag/more"),
         (("relative_file_paths:\n  - bag", "relative_file_paths:\n  - more"), "metadata.yaml lacks bag.{ending}: move"),
         ("no metadata", "metadata.yaml is missing"),

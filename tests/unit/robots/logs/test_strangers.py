@@ -36,7 +36,7 @@ def verdict(folder, capsys):
     ("more", "says"),
     [
         ({"started": BEGUN, "ended": BEGUN + 4000}, ""),
-        ({"started": BEGUN + 30_000, "ended": None}, ""),
+        ({"started": BEGUN + 30_000, "ended": None}, "the recording was not finished"),
         ({"started": BEGUN + DAY, "ended": None}, AWAY + "on 2023-11-15"),
         ({"started": BEGUN - DAY, "ended": BEGUN - DAY + 4000}, AWAY + "ended on 2023-11-13"),
         ({"robots": ROBOTS[:4]}, "robot 4: not of this recording: swarm.json has no log as that of robot 4"),
@@ -56,7 +56,7 @@ def test_numbers_times_and_sensors_are_those_of_the_swarm(day, capsys, more, say
     code, said = verdict(folder, capsys)
     assert code == bool(says)
     assert says in said
-    assert ("not of this recording" in said) == bool(says)
+    assert ("not of this recording" in said) == ("not of" in says)
 
 
 def test_another_brains_file_is_named_once_and_only_where_states_differ(day, capsys):
@@ -64,7 +64,9 @@ def test_another_brains_file_is_named_once_and_only_where_states_differ(day, cap
     tell()
     source = brains.load("commons").source
     (folder / "brain.py").write_text(source + "\n# changed\n")
-    assert verdict(folder, capsys)[0] == 0  # a comment changes nothing
+    code, said = verdict(folder, capsys)
+    assert code == 0  # a comment changes nothing
+    assert "all 5 robots: the hash of its brain's file begins with" in said
     for text in (source.replace("0.5", "0.4"), brains.load("voter").source):
         (folder / "brain.py").write_text(text)
         code, said = verdict(folder, capsys)
@@ -99,7 +101,7 @@ def test_wrong_values_of_swarm_json_are_refused(day, refused, wrong, expected):
 
 @pytest.mark.parametrize("whole", [False, True], ids=["in a block", "between blocks"])
 def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys, whole):
-    """Between two blocks only the count in swarm.json tells it; a log that is absent is left out."""
+    """Between two blocks the count in swarm.json tells it, or other logs; a log that is absent is left out."""
     folder, tell = day
     tell(result={"ticks": [40, 39, 40, 0]})  # of a robot that was killed less may be known
     assert "not in the log" not in verdict(folder, capsys)[1]
@@ -111,6 +113,58 @@ def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys
     last = read_recording(folder).members[2].log.ticks[-1].tick
     why = f"it has {last} of 40 lived ticks" if whole else "the file is cut or damaged: "
     assert f"robot 2, boot 0: ticks {last + 1} on are not in the log: {why}" in verdict(folder, capsys)[1]
+    tell()  # no counts
+    code, said = verdict(folder, capsys)
+    why = "another robot heard it in its tick " if whole else "the file is cut or damaged: "
+    assert (code, said.count("not in the log: ")) == (1, 1)
+    assert f"robot 2, boot 0: ticks {last + 1} on are not in the log: {why}" in said
     path.unlink()
     code, said = verdict(folder, capsys)
     assert (code, "not of this recording" in said) == (1, False)
+
+
+APART = {"name": "pair", "edges": [[2, 3]]}
+
+
+@pytest.mark.parametrize(
+    ("topology", "more", "kept", "says"),
+    [
+        ("ring", {}, 30, "ticks 31 on are not in the log: another robot heard it in its tick 60"),
+        (APART, {}, 30, "ticks 31 on are not in the log: it ends 30 ticks before the last log"),
+        (APART, {"now": False}, 30, ""),  # it may have begun later
+        ("ring", {}, 57, ""),
+        ("ring", {"first": 65_500}, 30, "ticks 65531 on are not in the log: another robot heard it in its tick 65,560"),
+    ],
+)
+def test_a_log_without_its_end_is_named_by_others(tmp_path, capsys, topology, more, kept, says):
+    """No count is known; robot 1 was cut between two blocks, or stopped for itself."""
+    folder = tmp_path / "day"
+    _, _, swarm = logged(folder, robots=4, rounds=60, topology=topology, more=more)
+    swarm.run()
+    swarm.close()
+    path = folder / "robot-1.log"
+    data = path.read_bytes()
+    ends = [0]
+    while ends[-1] < len(data):
+        ends.append(block_at(data, ends[-1])[-1])
+    path.write_bytes(data[: ends[kept + 1]])  # the first block is the start
+    code, said = verdict(folder, capsys)
+    assert (code, f"robot 1, boot 0: {says}" in said) == (bool(says), bool(says))
+    assert said.count("not in the log") == bool(says)
+
+
+def test_plot_and_watch_say_what_relive_says(day, here, accepted):
+    folder, tell = day
+    tell(rounds=50, robots=[*ROBOTS, {"number": 5, "log": "robot-5.log"}])
+    log = folder / "robot-2.log"
+    log.write_bytes(log.read_bytes()[:-9])
+    gaps = [
+        "robot-5.log: No such file",
+        "not finished: its logs end at tick 40",
+        "robot 2, boot 0: ticks 41 on are not",
+    ]
+    said = accepted("plot", folder, "--kind", "curves", "--out", "c.png")
+    assert all(gap in said.err for gap in gaps)
+    assert all(gap in " ".join((here / "c.png.caption.txt").read_text().split()) for gap in gaps)
+    said = accepted("watch", folder, "--out", "c.html")
+    assert all(gap in said.out + said.err for gap in gaps)
