@@ -12,7 +12,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import MAY_DIFFER
+from swarmcensus.results import MAY_DIFFER, netcdf
 from swarmcensus.results.store import load_packed
 from swarmcensus.results.values import ALL_VARIABLES
 from swarmcensus.runs import verifying
@@ -263,6 +263,22 @@ def test_a_file_that_another_program_edits_is_refused(how, small_file, tmp_path)
             file.attrs["note"] = "mine"
     with pytest.raises(InputError, match=r"x\.nc: .*(damaged or edited|no dimension|damaged\?)"):
         sc.load(path)
+
+
+@pytest.mark.parametrize(("key", "value"), [("_FillValue", 3), ("coordinates", "brain")])
+def test_what_other_programs_read_a_file_by_is_as_it_was_written(key, value, small_results, tmp_path, monkeypatch):
+    """Even if the hashes are right."""
+
+    def edited(data, kept=netcdf._as_kept):
+        variables = kept(data)
+        variables["convergence_round"].attrs[key] = value if key == "coordinates" else np.int32(value)
+        return variables
+
+    with monkeypatch.context() as patch:
+        patch.setattr(netcdf, "_as_kept", edited)
+        sc.save(small_results, tmp_path / "x.nc")
+    with pytest.raises(InputError, match=f"damaged or edited .*: {key} of convergence_round is {value!r}, and should"):
+        sc.load(tmp_path / "x.nc")
 
 
 def test_a_file_without_hashes_says_what_to_do(small_file, tmp_path):
