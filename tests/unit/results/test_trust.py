@@ -359,6 +359,7 @@ class TestTrialsThatAreHidden:
         said = accepted("verify", tmp_path / "x.nc", "--all").out
         assert "47 of 47 trials run again" in said
         assert "1 of 48 trials are not in the file" in said
+        assert "caution: 1 trial neither finished nor failed: the run was cut off, or somebody took out trials" in said
 
     def test_a_total_that_hides_it_is_not_the_studys(self, files):
         [total, missing] = sc.verify(self.hidden(sc.load(files / "kinds.nc"), (3, 1)), 1.0).labels
@@ -375,6 +376,14 @@ class TestTrialsThatAreHidden:
         failed = json.dumps([{"setting": 2, "trial": 1, "why": "a worker was lost"}])
         data = self.hidden(sc.load(files / "kinds.nc"), (2, 1), failed=failed, trials_total=48)
         assert [(d.setting, d.trial, d.stored) for d in sc.verify(data, 1.0).differences] == [(2, 1, -1)]
+
+
+def test_a_label_that_is_the_title_of_another_brain_is_named():
+    study = study_of(["alone", "swift"], trials=1)
+    exchanged = f'{study.text}\n[labels]\nalone = "Swift"\nswift = "Alone"\n'
+    said = sc.verify(sc.run(sc.Study.parse(exchanged), jobs=1), 1.0).said
+    assert "caution: labels call alone 'Swift', which is what swift is called elsewhere" in said
+    assert not sc.verify(sc.run(study, jobs=1), 1.0).cautions
 
 
 def test_half_a_trial_is_not_merged(files):
