@@ -201,7 +201,7 @@ def _cautions(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     tried = int(data.attrs["trials_done"]) + int(failed_trials(data).sum())
     if lacking := int(data.attrs["trials_total"]) - tried:
         why = "the run was cut off, or somebody took out trials for their numbers"
-        yield f"{counted(lacking, 'trial')} neither finished nor failed: {why}; running the study to its end shows which"
+        yield f"{counted(lacking, 'trial')} neither finished nor failed: {why}; a run to the end shows which"
     called = {name: label for study in studies for name, label in study.labels.items()}
     for name, label in called.items():
         for other, title in TITLES.items():
