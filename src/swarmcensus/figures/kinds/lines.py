@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from typing import Any, Literal, NamedTuple, Unpack
@@ -237,12 +237,13 @@ def _draw(
     numbers = {value: _numbers(panel.series.get(value, {}), places) for value in looks}
     if theory:
         beliefs.draw_predicted(axes, panel.costs, looks)
-    signs = Counter[float]()
+    signs = defaultdict[float, list[Look]](list)
     sizes = np.linspace(*(beliefs.SIZES if panel.costs else (SIZE, SIZE)), len(looks))
     for (value, look), aside, size in zip(looks.items(), asides, sizes, strict=True):
         draw_line(axes, numbers[value], look.line if joined and not theory else None, look, aside, full, size)
         for at in numbers[value][0, np.isposinf(numbers[value][1])].tolist():
-            add_endless(axes, at, look, signs)
+            signs[at].append(look)
+    add_endless(axes, signs)
 
 
 def key_dot(look: Look, *, lined: bool) -> Line2D:
