@@ -71,6 +71,7 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
         ("--kind lines --x robots --theory", "--theory: goes with x = checkpoint or x = belief"),
         ("--kind lines --x belief", "all robots of these results know their sensors"),
         ("--color brian", "--color brian: did you mean 'brain'? the coordinates that vary here are topology, robots"),
+        ("--kind lines --option form=steps --color robts", "--color robts: did you mean 'robots'? settings differ in"),
         ("--cols robots,floors", "--cols floors: did you mean 'floor'?"),
         ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
         ("--kind lines --option statistic=mode", "statistic = 'mode'"),

@@ -73,7 +73,7 @@ from swarmcensus.summaries import (
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
-from swarmcensus.support.options import wrong_option
+from swarmcensus.support.options import option, wrong_option
 from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
@@ -264,7 +264,12 @@ def _steps(
     times = [name for name in (*FIRST, *known) if name in known and is_time(name)]
     if y is None and not times:
         raise InputError("lines: these results have no times that may never come", key="form")
-    found = comparison.compare(results, y or times[0], factor=color or ())
+    try:
+        found = comparison.compare(results, y or times[0], factor=color or ())
+    except InputError as error:  # lines has no factor
+        theirs, ours = (option(name, "?").partition("?")[0].replace("'", "") for name in ("factor", "color"))
+        said, key = str(error).replace(theirs, ours), "color" if error.key == "factor" else error.key
+        raise type(error)(said, key=key, value=error.value, hint=error.hint) from None
     return draw_steps(found, title, [results], rows, cols)
 
 
