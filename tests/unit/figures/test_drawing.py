@@ -305,7 +305,11 @@ def grid_study(**coordinates) -> xr.Dataset:
 
 def test_heatmap_shows_medians_of_finished_cells():
     results = forget(grid_study(), setting=4)  # accuracy 0.9, f = 0.95
-    error, rounds = figures.heatmap(results, title="ring").axes
+    figure = figures.heatmap(results, title="ring")
+    error, rounds = figure.axes
+    assert "grey: no finished trial" in figures.caption(figure)
+    assert "grey: no finished trial" in texts(figure)  # in the key
+    assert "grey" not in texts(figures.heatmap(grid_study()))
     cells = {tuple(np.round(t.get_position()).astype(int)): t for t in error.texts}
     assert set(cells) == {(x, y) for x in range(2) for y in range(3)} - {(1, 1)}
     median = float(results.convergence_error[0].median())

@@ -259,6 +259,8 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert "is infinite" not in texts(sc.plot.lines(results.isel(setting=[2]), y="stop_round"))
     assert "the mean is infinite" in texts(sc.plot.lines(results, y="stop_round", statistic="mean"))
     never = results.assign(stop_round=results["stop_round"] * np.inf)
+    with pytest.raises(InputError, match="y='stop_round': nothing to draw, as it is infinite: it happened in no trial"):
+        sc.plot.scatter(never, x="robots", y="stop_round")
     assert_fits(sc.plot.lines(never, y="stop_round"))
 
 
