@@ -40,6 +40,7 @@ HIGHEST, SLIDE_HEIGHT = 9.0, 7.5  # inches: what a page of a journal has room fo
 LETTERS = 7.5  # points: ticks and keys, unless a style or an option says otherwise
 SPACING = 1.2  # line height, as a multiple of the font size
 SLACK = 1.03  # of what is measured: renderers round to their pixels
+LEAST_LAST = 4  # letters: the end of a word that is broken
 SHEET = "sheet"  # the label of figures made here
 SIZES, FONTS = (2.0, 60.0), (4.0, 40.0)  # inches, and points
 
@@ -243,13 +244,19 @@ def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:
 
 
 def _lines(text: str, width: float, size: float) -> list[str]:
-    """The text in as few lines as fit, with about as many letters each."""
+    """The text in as few lines as fit, with about as many letters each, and a few more at the end of a broken word."""
     letters = int(1.5 * len(text) * width / max(width_of(text, size), width)) + 1
     while True:
         lines = textwrap.wrap(text, letters)
         if letters == 1 or all(width_of(line, size) <= width for line in lines):
-            return lines
+            break
         letters -= 1
+    if len(lines) > 1 and text.endswith(lines[-2] + lines[-1]):
+        at = max(0, len(lines[-2]) - max(0, LEAST_LAST - len(lines[-1])))
+        kept, last = lines[-2][:at], lines[-2][at:] + lines[-1]
+        if kept and " " not in last and width_of(last, size) <= width:
+            lines[-2:] = [kept, last]
+    return lines
 
 
 def in_lines(name: str, room: float, size: float) -> str:

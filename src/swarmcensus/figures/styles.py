@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -23,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.brain_colours import LINES, MARKERS, NAMED, marks_of_brains
-from swarmcensus.figures.page import scale
+from swarmcensus.figures.page import letters, scale
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import labels_in, renamed_contender, titles_in
 from swarmcensus.support.formatting import distinct_texts
@@ -215,13 +214,27 @@ def endless_mark(colour: str = "0.3", **style: Any) -> Line2D:
     return key_mark(r"$\infty$", 8.0, colour, mew=0.4, **style)
 
 
-def add_endless(axes: Axes, x: float, look: Look, signs: Counter[float]) -> None:
-    """Draw the sign of an infinite value at the top, below and next to those that `signs` counts at this x."""
-    right, below = divmod(signs[x], STACKED)
-    signs[x] += 1
-    edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * right, -scale() * (5.0 + SIGN * below))
-    sign = endless_mark(look.colour, transform=edge, clip_on=False)
-    add_dots(axes, sign, [x], [1.0], label=f"infinite {look.name}", zorder=4)
+def add_endless(axes: Axes, signs: Mapping[float, Sequence[Look]]) -> None:
+    """Draw the signs of infinite values at the top, in columns around their x.
+
+    Those that do not fit there, or that share a colour, are one sign under their number.
+    """
+    top, points = axes.get_xaxis_transform(), 72 / axes.figure.dpi
+    places = {x: points * (top.transform((x, 1.0))[0] - axes.bbox.x0) for x in signs}
+    for x, looks in signs.items():
+        columns, place = -(-len(looks) // STACKED), places[x]
+        apart = min((abs(place - other) for at, other in places.items() if at != x), default=np.inf)
+        wide = min(2 * place, 2 * (points * axes.bbox.width - place), apart)
+        counted = (columns > 1 and scale() * SIGN * columns > wide) or len({one.colour for one in looks}) < len(looks)
+        for k, look in enumerate([Look(f"{len(looks)}", "", "0.3", "")] if counted else looks):
+            right, below = divmod(k, STACKED)
+            aside, down = (0.0, 1) if counted else (right - (columns - 1) / 2, below)
+            edge = shifted(top, axes, scale() * SIGN * aside, -scale() * (5.0 + SIGN * down))
+            sign = endless_mark(look.colour, transform=edge, clip_on=False)
+            add_dots(axes, sign, [x], [1.0], label=f"infinite {look.name}", zorder=4)
+        if counted:
+            above: dict[str, Any] = {"transform": shifted(top, axes, 0.0, -5.0 * scale()), "fontsize": letters()}
+            axes.text(x, 1.0, f"{len(looks)} ×", ha="center", va="center", path_effects=halo(1.5), zorder=4, **above)
 
 
 def endless_high(most: int, axes: Axes) -> float:

@@ -34,6 +34,7 @@ MOST_PACKED = 1100  # bytes that a byte of a file may stand for: deflate reaches
 LARGE_BYTES = 4_000_000  # arrays of more are read once all else is known to be right
 SECONDS, BYTES_A_SECOND, MEMORY = 3.0, 5_000_000, 2_000_000_000  # what reading all else may take
 HEAP = re.compile(rb"GCOL\x01")  # how a block of texts begins
+ADDED = ("_FillValue", "coordinates")  # attributes of variables by which others read a file as it is meant
 CHANGED = "it was damaged or edited since it was saved"
 
 
@@ -259,12 +260,18 @@ def _as_kept(data: xr.Dataset) -> dict[str, xr.Variable]:
 
 
 def _dataset(variables: Mapping[str, xr.Variable], attributes: Mapping[str, Any]) -> xr.Dataset:
-    """The dataset of which `_as_kept` made variables."""
+    """The dataset of which `_as_kept` made variables. Raises ResultsError if it would make others."""
     coordinates = {dim for one in variables.values() for dim in one.dims}
-    for one in variables.values():
-        coordinates.update(str(one.attrs.pop("coordinates", "")).split())
-        one.attrs.pop("_FillValue", None)
-    return xr.Dataset(variables, attrs=attributes).set_coords(coordinates & variables.keys())
+    added = {name: {key: one.attrs.pop(key, None) for key in ADDED} for name, one in variables.items()}
+    for found in added.values():
+        coordinates.update(str(found["coordinates"]).split())
+    data = xr.Dataset(variables, attrs=attributes).set_coords(coordinates & variables.keys())
+    for name, one in _as_kept(data).items():
+        for key, value in added[name].items():
+            right = _plain(one.attrs.get(key))
+            if repr(value) != repr(right):  # NaN is not equal to itself
+                raise ResultsError(f"{CHANGED}: {key} of {name} is {value!r}, and should be {right!r}", key=name)
+    return data
 
 
 def _hash(one: xr.Variable) -> str:

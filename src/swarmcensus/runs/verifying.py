@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.brains.library import TITLES
 from swarmcensus.results import (
     MAY_DIFFER,
     Brains,
@@ -80,7 +81,7 @@ class Verification(Answer):
     """How many trials were run again (`checked`) of how many (`stored`), and the first difference of each trial.
 
     `labels` are sentences about labels that do not match the study; `notes` are about what is no fault, but should be
-    known; `unchecked` are phrases about what could not be compared, and why.
+    known, `cautions` about what somebody may have chosen; `unchecked` are phrases about what could not be compared.
     """
 
     checked: int
@@ -92,6 +93,7 @@ class Verification(Answer):
     excused: int = 0  # values that differ by no more than cards and processors may
     seed: int | None = None  # of the sample, if not all trials were checked
     of: str = "these results"
+    cautions: list[str] = field(default_factory=list)  # type: ignore[assignment]
 
     @property
     def code(self) -> int:  # type: ignore[override]
@@ -124,7 +126,7 @@ class Verification(Answer):
         return {
             "results": self.of, "trials_checked": self.checked, "trials_stored": self.stored, "seed": self.seed,
             "differences": self.differences, "excused": self.excused, "labels": self.labels, "notes": self.notes,
-            "unchecked": self.unchecked,
+            "unchecked": self.unchecked, "cautions": self.cautions,
         }  # fmt: skip
 
 
@@ -180,7 +182,8 @@ def verify(
     notes = list(_notes(data))
     if lacking:
         notes.append(f"{counted(lacking, 'trial')} of merged studies lack what another of these measures")
-    return Verification(count, len(every), found, labels, notes, list(_unchecked(data)), excused, seed, **of)
+    more: dict[str, Any] = {"unchecked": list(_unchecked(data)), "cautions": list(_cautions(data, studies))} | of
+    return Verification(count, len(every), found, labels, notes, excused=excused, seed=seed, **more)
 
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
@@ -191,6 +194,19 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
     if done < total:
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
+
+
+def _cautions(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """What fits the study, and yet could mislead."""
+    tried = int(data.attrs["trials_done"]) + int(failed_trials(data).sum())
+    if lacking := int(data.attrs["trials_total"]) - tried:
+        why = "the run was cut off, or somebody took out trials for their numbers"
+        yield f"{counted(lacking, 'trial')} neither finished nor failed: {why}; a run to the end shows which"
+    called = {name: label for study in studies for name, label in study.labels.items()}
+    for name, label in called.items():
+        for other, title in TITLES.items():
+            if other != name and label.casefold() in (other, title.casefold()):
+                yield f"labels call {name} {label!r}, which is what {other} is called elsewhere"
 
 
 def _unchecked(data: xr.Dataset) -> Iterator[str]:

@@ -7,6 +7,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.coordinates import panels_of, varies
+from swarmcensus.figures.sheets import pages_of
 from swarmcensus.summaries.labels import renamed_contender
 from swarmcensus.support.errors import InputError
 from tests.support.contending import made_up
@@ -104,12 +105,27 @@ def test_many_worlds_and_contenders_are_whole():
     written = texts(figure).split("\n")
     assert {f"net {k}" for k in range(41)} <= {*written}
     assert "1 to 21 of 41 rows" in written
+    high = made_up(brains=4, worlds=[f"net {k}" for k in range(14)], trials=6, robots=1)
+    slides = pages_of(sc.plot.compare(high, metric="final_error", width="slide"))
+    assert len(slides) == 2
+    assert max(part.box.height for part in slides) <= 7.51
     names = [*TITLES][:14]
     brains = xr.concat([made_up(brains=1, worlds=("ring", "full"), trials=6, seed=k) for k in range(14)], "setting")
     brains = brains.assign_coords(brain=("setting", np.repeat(names, 2)), setting=np.arange(28))
     (ring, full) = sc.plot.compare(brains, metric="final_error").axes
     assert [label.get_text() for label in ring.get_yticklabels()] == [TITLES[name] for name in names[1:]]
     assert [ax.get_label() for ax in (ring, full)] == ["ring, final error", "full, final error"]
+
+
+def test_ranks_of_many_brains_fit_a_slide_or_say_what_would():
+    def few(count):
+        brains = xr.concat([made_up(brains=1, worlds=("ring",), trials=6, seed=k) for k in range(count)], "setting")
+        return brains.assign_coords(brain=("setting", [*TITLES][:count]), setting=np.arange(count))
+
+    assert 7.0 < sc.plot.ranks(few(20), metric="final_error", width="slide").get_figheight() <= 7.5
+    with pytest.raises(sc.InputError, match=r"33 contenders are too many .* of 7.5 inches: .* by font_size=10.0$"):
+        sc.plot.ranks(few(33), metric="final_error", width="slide")
+    assert sc.plot.ranks(few(33), metric="final_error", width="slide", font_size=10.0).get_figheight() <= 7.5
 
 
 # ---- figures against the number of liars, and of coordinates that follow from the axes

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
+from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.axes import Numbers
 from swarmcensus.figures.kinds import PLUGINS, find
@@ -70,6 +71,7 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
         ("--kind lines --x robots --theory", "--theory: goes with x = checkpoint or x = belief"),
         ("--kind lines --x belief", "all robots of these results know their sensors"),
         ("--color brian", "--color brian: did you mean 'brain'? the coordinates that vary here are topology, robots"),
+        ("--kind lines --option form=steps --color robts", "--color robts: did you mean 'robots'? settings differ in"),
         ("--cols robots,floors", "--cols floors: did you mean 'floor'?"),
         ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
         ("--kind lines --option statistic=mode", "statistic = 'mode'"),
@@ -257,23 +259,40 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert "is infinite" not in texts(sc.plot.lines(results.isel(setting=[2]), y="stop_round"))
     assert "the mean is infinite" in texts(sc.plot.lines(results, y="stop_round", statistic="mean"))
     never = results.assign(stop_round=results["stop_round"] * np.inf)
+    with pytest.raises(InputError, match="y='stop_round': nothing to draw, as it is infinite: it happened in no trial"):
+        sc.plot.scatter(never, x="robots", y="stop_round")
     assert_fits(sc.plot.lines(never, y="stop_round"))
 
 
-def test_signs_of_infinity_hide_no_dots_and_no_others():
-    parts = [robots((10, 100), brain=name) for name in ("minimalistic", "legacy", "commons", "swift")]
-    results = xr.concat(parts, "setting").assign_coords(setting=np.arange(8))
-    when = np.full((8, 12, 8), 40.0)
+def stopping_never(names):
+    """A panel of lines of brains that stop in round 40 with 10 robots, and never with 100."""
+    parts = [robots((10, 100), brain=name) for name in names]
+    results = xr.concat(parts, "setting").assign_coords(setting=np.arange(2 * len(names)))
+    when = np.full((2 * len(names), 12, 8), 40.0)
     when[1::2] = np.inf
     results["stop_round"] = (("setting", "trial", "robot"), when)
     (ax,) = sc.plot.lines(results, y="stop_round", x="robots", color="brain").axes
     ax.figure.draw_without_rendering()
+    return ax
+
+
+def test_signs_of_infinity_hide_no_dots_and_no_others():
+    ax = stopping_never(["minimalistic", "legacy", "commons", "swift"])
     assert ax.get_ylim()[0] + 0.8 * np.diff(ax.get_ylim())[0] > 40.0
     places = [
         line.get_transform().transform(line.get_xydata())[0] for line in ax.lines if "infinite" in line.get_label()
     ]
     assert len(places) == 4
     assert min(np.abs(one - other).max() for one, other in itertools.combinations(places, 2)) > 8 * ax.figure.dpi / 72
+    across = [x for x, _ in places]
+    assert (min(across) + max(across)) / 2 == pytest.approx(ax.transData.transform((100, 40))[0])
+
+
+def test_more_signs_than_fit_are_counted():
+    ax = stopping_never([*TITLES][:20])
+    assert [line.get_label() for line in ax.lines if "infinite" in line.get_label()] == ["infinite 20"]
+    (count,) = (text for text in ax.texts if text.get_text() == "20 ×")
+    assert count.get_window_extent().x1 <= ax.bbox.x1
 
 
 def test_errors_of_assumed_accuracies_are_numbers_on_their_axis():

@@ -12,7 +12,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import MAY_DIFFER
+from swarmcensus.results import MAY_DIFFER, netcdf
 from swarmcensus.results.store import load_packed
 from swarmcensus.results.values import ALL_VARIABLES
 from swarmcensus.runs import verifying
@@ -265,6 +265,22 @@ def test_a_file_that_another_program_edits_is_refused(how, small_file, tmp_path)
         sc.load(path)
 
 
+@pytest.mark.parametrize(("key", "value"), [("_FillValue", 3), ("coordinates", "brain")])
+def test_what_other_programs_read_a_file_by_is_as_it_was_written(key, value, small_results, tmp_path, monkeypatch):
+    """Even if the hashes are right."""
+
+    def edited(data, kept=netcdf._as_kept):
+        variables = kept(data)
+        variables["convergence_round"].attrs[key] = value if key == "coordinates" else np.int32(value)
+        return variables
+
+    with monkeypatch.context() as patch:
+        patch.setattr(netcdf, "_as_kept", edited)
+        sc.save(small_results, tmp_path / "x.nc")
+    with pytest.raises(InputError, match=f"damaged or edited .*: {key} of convergence_round is {value!r}, and should"):
+        sc.load(tmp_path / "x.nc")
+
+
 def test_a_file_without_hashes_says_what_to_do(small_file, tmp_path):
     path = shutil.copy(small_file, tmp_path / "x.nc")
     with h5py.File(path, "r+") as file:
@@ -343,6 +359,7 @@ class TestTrialsThatAreHidden:
         said = accepted("verify", tmp_path / "x.nc", "--all").out
         assert "47 of 47 trials run again" in said
         assert "1 of 48 trials are not in the file" in said
+        assert "caution: 1 trial neither finished nor failed: the run was cut off, or somebody took out trials" in said
 
     def test_a_total_that_hides_it_is_not_the_studys(self, files):
         [total, missing] = sc.verify(self.hidden(sc.load(files / "kinds.nc"), (3, 1)), 1.0).labels
@@ -359,6 +376,14 @@ class TestTrialsThatAreHidden:
         failed = json.dumps([{"setting": 2, "trial": 1, "why": "a worker was lost"}])
         data = self.hidden(sc.load(files / "kinds.nc"), (2, 1), failed=failed, trials_total=48)
         assert [(d.setting, d.trial, d.stored) for d in sc.verify(data, 1.0).differences] == [(2, 1, -1)]
+
+
+def test_a_label_that_is_the_title_of_another_brain_is_named():
+    study = study_of(["alone", "swift"], trials=1)
+    exchanged = f'{study.text}\n[labels]\nalone = "Swift"\nswift = "Alone"\n'
+    said = sc.verify(sc.run(sc.Study.parse(exchanged), jobs=1), 1.0).said
+    assert "caution: labels call alone 'Swift', which is what swift is called elsewhere" in said
+    assert not sc.verify(sc.run(study, jobs=1), 1.0).cautions
 
 
 def test_half_a_trial_is_not_merged(files):

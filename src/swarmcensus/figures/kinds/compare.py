@@ -20,13 +20,13 @@ from swarmcensus.figures.axes import Numbers, short, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, caption_of, check_worlds, listed
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
-from swarmcensus.figures.sheets import add_key, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, excess_of, figure_of, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, looks_of_contenders, outlined_dot, shifted
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
 
-MOST_ROWS = 24  # of a panel; others are in the next one
+MOST_ROWS = 24  # of a panel, or as many as a page has lines for; others are in the next one
 MANY_SHARE = 0.42  # the same of names of many contenders, in one line each
 MOST_TOGETHER = 8  # contenders in a row; more have a row each
 SQUEEZED = 0.85  # the share of its height that a row has at least
@@ -79,11 +79,25 @@ def compare(
         never = endless & (every[k].value == 0)
         every[k] = every[k]._replace(value=np.where(never, np.nan, every[k].value))
         remark = BOTH_NEVER if never.any() else remark
+    check_worlds(worlds, rows, cols)
+    return _drawn(results, standings, every, (rows, cols), title, remark, MOST_ROWS)
+
+
+def _drawn(
+    results: xr.Dataset,
+    standings: comparison.Comparison,
+    every: Sequence[Effect],
+    panels_by: tuple[Names, Names],
+    title: str | None,
+    remark: str,
+    most: int,
+) -> Figure:
+    """Draw panels of at most `most` rows, or of fewer if a page is too low for them."""
+    worlds, reference = standings.grid.worlds, standings.against or 0
     others = [k for k in range(len(standings.contenders)) if k != reference]
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
-    check_worlds(worlds, rows, cols)
-    sides = listed(rows) or [], listed(cols) or []
+    sides = tuple(listed(names) or [] for names in panels_by)
     in_panels = defaultdict[tuple[str, str], dict[int, str]](dict)  # the rows of worlds, by the texts of both sides
     for k, world in enumerate(worlds):
         text = caption_of({name: value for name, value in world.items() if name not in (*sides[0], *sides[1])})
@@ -92,7 +106,7 @@ def compare(
     # each contender has a row
     apart_from_others = max(map(len, in_panels.values())) == 1 or len(others) > MOST_TOGETHER
     of_contenders = [look.name for look in looks] if apart_from_others else []
-    blocks = [block for at, texts in in_panels.items() for block in _blocks(*at, texts, of_contenders)]
+    blocks = [block for at, texts in in_panels.items() for block in _blocks(*at, texts, of_contenders, most)]
     many = apart_from_others and len(looks) > MOST_TOGETHER
     room = min(NAME * scale(), 72 * (MANY_SHARE if many else NAME_SHARE) * (page().width or np.inf))
     labels = [["\n".join(wrapped(text, room, letters(), 2 - many)) for text in block.names] for block in blocks]
@@ -134,6 +148,12 @@ def compare(
         place.spines["left"].set_visible(False)
     against = every_look[reference].name.replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
+    tallest = max(axes, key=lambda ax: ax.bbox.height)
+    too_many = excess_of(figure_of(axes)) / (tallest.bbox.height / tallest.figure.dpi)
+    longest_block = max(len(block.names) for block in blocks)
+    if too_many > 0.0 and longest_block > 1:
+        fewer = max(1, int(longest_block * (1.0 - too_many)))
+        return _drawn(results, standings, every, panels_by, title, remark, fewer)
     measures = [effect.measure.name for effect in drawn]
     remarks = [numberless, remark, in_worlds_too_few(standings.contests)]
     remarks += [on_edges([results], measures), unlearnt([results], measures, NEVER)]
@@ -150,10 +170,12 @@ class _Block(NamedTuple):
     column: str
 
 
-def _blocks(row: str, column: str, worlds: Mapping[int, str], contenders: Sequence[str]) -> list[_Block]:
+def _blocks(
+    row: str, column: str, worlds: Mapping[int, str], contenders: Sequence[str], most: int
+) -> list[_Block]:  # fmt: skip
     """The panels of each measure: one for each world if contenders have rows; else one for worlds that fit a page."""
     names = contenders or [*worlds.values()]
-    portions = [part.tolist() for part in np.array_split(np.arange(len(names)), -(-len(names) // MOST_ROWS))]
+    portions = [part.tolist() for part in np.array_split(np.arange(len(names)), -(-len(names) // most))]
     blocks = []
     for world, text in worlds.items() if contenders else ((-1, ""),):
         for part in portions:

@@ -64,6 +64,7 @@ GREY = "0.9"
 NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
 USUAL = "accuracy", "fill_ratio"  # in rows and in columns
+BLANK = "grey: no finished trial with a number"
 UNCOLOURED = "grey: robots never learnt (K = 0) or settled far off"
 
 
@@ -110,7 +111,7 @@ def heatmap(
     down = looks_of(texts_of(results, y).tolist(), "o", y, titles_in(results))
     measured = [_measure(results, z)] if z else [MEASURES[name] for name in Z]
     maps = [_maps(of_contenders(part.results, {x, y}), x, y, [*across], [*down], measured) for part in parts]
-    if not np.isfinite([values[-1] for values, _ in maps]).any() and not any(says_so for _, says_so in maps):
+    if not np.isfinite([values[-1] for values, *_ in maps]).any() and not any(misled for _, misled, _ in maps):
         raise nothing_of(results, "z", measured[-1].name)
     names = ["".join(wrapped(look.name, NAME * scale(), letters(), 1)) for look in down.values()]
     named_columns, named_rows = not places_of(across)[1], not places_of(down)[1]
@@ -120,7 +121,9 @@ def heatmap(
     high = max(ROW * scale() * len(names), 0.75)
     size = min(max(cell * len(across), 2.4), LARGEST[0]), high if named_rows else min(high, LARGEST[1])
     left = 0.55 + max(width_of(name, letters()) for name in names) / 72 / scale()
-    panels = [(part, k, values[k]) for part, (values, _) in zip(parts, maps, strict=True) for k in range(len(measured))]
+    panels = [
+        (part, k, values[k]) for part, (values, *_) in zip(parts, maps, strict=True) for k in range(len(measured))
+    ]
     called = [_name_of(results, measure) for measure in measured]
     captions = [called[k] for _, k, *_ in panels]
     worlds = [", ".join(filter(None, (part.row, part.caption))) for part, *_ in panels if len(parts) > 1]
@@ -134,7 +137,7 @@ def heatmap(
     numbered = wide >= narrow * len(across) and tall >= LINE * scale() * len(names)
     texts, columns = [look.name.removeprefix(OFF) for look in across.values()], _labelled(len(across), wide / cell)
     lines = _labelled(len(names), np.inf if named_rows else 1.01 * tall / (LINE * scale()))
-    every = np.stack([values for values, _ in maps], axis=1)  # (measure, panel, y, x)
+    every = np.stack([values for values, *_ in maps], axis=1)  # (measure, panel, y, x)
     colours = [_colours_of(*each) for each in zip(measured, called, every, strict=True)]
     for (_, k, values), place in zip(panels, axes, strict=True):
         shades, text, _ = colours[k]
@@ -151,19 +154,19 @@ def heatmap(
     shown = [measure.name for measure in measured]
     of_k = [results] if "convergence_round" in shown else []
     remarks = [hidden_tail(results, shown, "z"), misleading(of_k), on_edges([results], shown)]
-    says_so = any(misled for _, misled in maps)
+    says_so, blank = any(misled for _, misled, _ in maps), any(lacks for *_, lacks in maps)
+    remarks += [BLANK] * blank
     remarks.append(UNCOLOURED if says_so else unlearnt([results], shown, "it counts as never"))
     entries: dict[str, Artist] = {strip.longest: strip for *_, strip in colours if strip}
-    if says_so:
-        entries[UNCOLOURED] = Patch(color=GREY)
+    entries |= {why: Patch(color=GREY) for why, there in ((UNCOLOURED, says_so), (BLANK, blank)) if there}
     add_key(axes, "", entries, below=True)
     return captioned(axes, heatmap, [results], remarks, [f"Colours: {'; '.join(called)}."])
 
 
 def _maps(
     results: xr.Dataset, x: str, y: str, across: Sequence[str], down: Sequence[str], measured: Sequence[Measure]
-) -> tuple[Floats, bool]:
-    """The numbers of each measure in a world, (measure, y, x), and whether some are left out.
+) -> tuple[Floats, bool, bool]:
+    """The numbers of each measure in a world, (measure, y, x), whether some are left out, and whether some lack.
 
     Shares are in %. Numbers that say nothing of robots that settle are left out.
     """
@@ -179,7 +182,7 @@ def _maps(
         nothing = {*(QUANTITIES_AT_K if still else ()), *(("convergence_round",) if early[group].any() else ())}
         says = np.array([np.nan if m.name in nothing else 100.0 if m.share else 1.0 for m in measured])
         numbers[at], misled = says * np.array(of_cell), misled or bool(np.isnan(says).any())
-    return numbers, misled
+    return numbers, misled, len(grid) < numbers[0].size or bool(np.isnan(found).any())
 
 
 def _measure(results: xr.Dataset, z: str) -> Measure:

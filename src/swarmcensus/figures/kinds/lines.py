@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from functools import partial
 from typing import Any, Literal, NamedTuple, Unpack
@@ -73,7 +73,7 @@ from swarmcensus.summaries import (
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
-from swarmcensus.support.options import wrong_option
+from swarmcensus.support.options import option, wrong_option
 from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
@@ -238,12 +238,13 @@ def _draw(
     numbers = {value: _numbers(panel.series.get(value, {}), places) for value in looks}
     if theory:
         beliefs.draw_predicted(axes, panel.costs, looks)
-    signs = Counter[float]()
+    signs = defaultdict[float, list[Look]](list)
     sizes = np.linspace(*(beliefs.SIZES if panel.costs else (SIZE, SIZE)), len(looks))
     for (value, look), aside, size in zip(looks.items(), asides, sizes, strict=True):
         draw_line(axes, numbers[value], look.line if joined and not theory else None, look, aside, full, size)
         for at in numbers[value][0, np.isposinf(numbers[value][1])].tolist():
-            add_endless(axes, at, look, signs)
+            signs[at].append(look)
+    add_endless(axes, signs)
 
 
 def key_dot(look: Look, *, lined: bool) -> Line2D:
@@ -264,7 +265,12 @@ def _steps(
     times = [name for name in (*FIRST, *known) if name in known and is_time(name)]
     if y is None and not times:
         raise InputError("lines: these results have no times that may never come", key="form")
-    found = comparison.compare(results, y or times[0], factor=color or ())
+    try:
+        found = comparison.compare(results, y or times[0], factor=color or ())
+    except InputError as error:  # lines has no factor
+        theirs, ours = (option(name, "?").partition("?")[0].replace("'", "") for name in ("factor", "color"))
+        said, key = str(error).replace(theirs, ours), "color" if error.key == "factor" else error.key
+        raise type(error)(said, key=key, value=error.value, hint=error.hint) from None
     return draw_steps(found, title, [results], rows, cols)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from typing import Unpack
 
@@ -155,12 +155,13 @@ def _draw(
     joined = np.flatnonzero(on_front & np.isfinite(value))
     order = joined[np.argsort(cost[joined], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
-    signs = Counter[float]()
+    signs = defaultdict[float, list[Look]](list)
     for k in np.flatnonzero(~np.isnan(cost + value)).tolist():
         look, size = _sizes(looks)[k]
         if np.isinf(value[k]):
-            add_endless(axes, cost[k], look, signs)
+            signs[cost[k]].append(look)
             continue
         axes.vlines(cost[k], max(low[k], bottom), min(high[k], top), colors=look.colour, linewidths=0.9, zorder=3)
         dot = outlined_dot(look, size, 0.6, hollow=0.0 if on_front[k] else RIM)
         add_dots(axes, dot, [cost[k]], [value[k]], zorder=4, clip_on=False)
+    add_endless(axes, signs)

@@ -14,10 +14,11 @@ from swarmcensus.analysis import Standings, compare, in_worlds_too_few, overall_
 from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.coordinates import Names
 from swarmcensus.figures.page import PageOptions, ink, letters, on_page, page, scale, wrapped
-from swarmcensus.figures.sheets import EDGE, add_key, sheet
+from swarmcensus.figures.sheets import EDGE, add_key, excess_of, figure_of, sheet
 from swarmcensus.figures.styles import looks_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import option
 from swarmcensus.support.significance import groups
 
 # Inches, with letters of the usual size:
@@ -26,7 +27,8 @@ NAMES = 1.75  # on the right for the names
 LEFT = 0.15  # on the left
 NUMBER = 0.36  # of these for a rank
 MOST_LINES = 2  # of a name
-LINE, BAR = 0.17, 0.09  # from name to name, and from bar to bar
+LINE, BAR = 0.12, 0.09  # a line of a name, and from bar to bar
+APART = 0.05  # between names; less if a page is too low
 UNDER = 0.12  # under the last name
 MOST = 40  # contenders
 GREY = "0.35"  # of the lines to the names
@@ -65,8 +67,8 @@ def ranks(
 def draw_ranks(standings: Standings, title: str | None = None, results: Sequence[xr.Dataset] = ()) -> Figure:
     """Draw a panel for each measure of a comparison; see `ranks`.
 
-    The caption says how many trials `results` lack. Raises InputError if there is no world in which all
-    contenders have run, and for more than 40 contenders.
+    The caption says how many trials `results` lack. Raises InputError if there is no world in which all contenders have
+    run, for more than 40 contenders, and for more than a page of given width has lines for.
     """
     drawn = [k for k, contest in enumerate(standings.contests) if len(contest.ranks)]
     if not drawn:
@@ -84,16 +86,25 @@ def draw_ranks(standings: Standings, title: str | None = None, results: Sequence
     called = [look.name for look in looks_of_contenders(standings.contenders, standings.grid.factor, results).values()]
     side = min(NAMES * times, 0.55 * wide)  # for the names
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
-    tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
-    captions = [_caption(standings, k) for k in drawn]
-    inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * len(called) for bars in joined]  # of a panel
-    panels = sheet(
-        captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
-    )  # fmt: skip
-    for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
-        panel.set_ylim(deep, 0)
-        _draw(panel, names, average, bars, tall, side)
-    add_key(panels, KEY.format(BARS * any(joined)), {}, below=True)
+    captions, apart = [_caption(standings, k) for k in drawn], APART * times
+    for _ in range(2):  # the second time with names as close as a page needs
+        tall = [LINE * times * len(lines) + apart for lines in names]  # inches of each name
+        inches = [times * (UNDER + BAR * (len(bars) + 1)) + sum(tall) for bars in joined]  # of a panel
+        panels = sheet(
+            captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
+        )  # fmt: skip
+        for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
+            panel.set_ylim(deep, 0)
+            _draw(panel, names, average, bars, tall, side)
+        add_key(panels, KEY.format(BARS * any(joined)), {}, below=True)
+        if (excess := excess_of(figure_of(panels))) <= 0.0:
+            break
+        apart = max(0.0, apart - 1.01 * excess / len(names))
+    if excess > 0.0 and page().width:
+        high = page().highest
+        smaller = int(1.96 * letters() * high / (high + excess)) / 2  # margins stay
+        few = f"select some settings, or take smaller letters, as by {option('font_size', smaller)}"
+        raise InputError(f"ranks: {len(names)} contenders are too many for a page of {high:g} inches: {few}")
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
     few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
@@ -112,11 +123,11 @@ def _caption(standings: Standings, k: int) -> str:
 
 
 def _draw(
-    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], tall: float, side: float
+    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], tall: list[float], side: float
 ) -> None:
     """Draw one panel: x are ranks, y inches below the line of ranks.
 
-    `tall` is the height of a name, given as lines, and `side` the width for names on the right.
+    `tall` is the height of each name, given as lines, and `side` the width for names on the right.
     """
     count, times = len(names), scale()
     bar_step = BAR * times
@@ -134,8 +145,9 @@ def _draw(
         axes.plot(across, [y, y], color=ink(), linewidth=3, solid_capstyle="butt")
     end = count + 0.05 / wide
     style: dict[str, Any] = {"ha": "left", "va": "center", "fontsize": letters(), "parse_math": False}
-    for k, contender in enumerate(np.argsort(ranks, kind="stable").tolist()[::-1]):
-        y = bar_step * (len(bars) + 1) + tall * (k + 0.5)
+    foot = bar_step * (len(bars) + 1)
+    for contender in np.argsort(ranks, kind="stable").tolist()[::-1]:
+        y, foot = foot + tall[contender] / 2, foot + tall[contender]
         axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=GREY, linewidth=0.7)
         axes.text(end + 0.04 / wide, y, f"{ranks[contender]:.2f}", **style)
         axes.text(end + (0.04 + NUMBER * times) / wide, y, "\n".join(names[contender]), linespacing=0.95, **style)
