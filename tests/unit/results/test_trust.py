@@ -494,7 +494,8 @@ class TestBrainFiles:
             (here / "mine.py").write_text("raise SystemExit('was run')")
         elif how == "folder":
             (here / "mine.py").mkdir()
-        with pytest.raises(InputError, match="are run only if they lie below"):
+        says = "has changed since the results" if how == "changed" else "are run only if they lie below"
+        with pytest.raises(InputError, match=says):
             sc.verify(data, 1.0)
 
     def test_one_outside_the_current_folder_is_not_run(self, here, monkeypatch):
