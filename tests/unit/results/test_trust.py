@@ -374,11 +374,9 @@ class TestTrialsThatAreHidden:
 
 
 def test_a_label_that_is_the_title_of_another_brain_is_named():
-    study = study_of(["alone", "swift"], trials=1)
-    exchanged = f'{study.text}\n[labels]\nalone = "Swift"\nswift = "Alone"\n'
-    said = sc.verify(sc.run(sc.Study.parse(exchanged), jobs=1), 1.0).said
-    assert "caution: labels call alone 'Swift', which is what swift is called elsewhere" in said
-    assert not sc.verify(sc.run(study, jobs=1), 1.0).cautions
+    text = study_of(["alone", "swift"], trials=1).text + '\n[labels]\nalone = "Swift"\nswift = "Alone"\n'
+    first, _ = sc.verify(sc.run(sc.Study.parse(text), jobs=1), 1.0).cautions
+    assert first == "labels call alone 'Swift', which is what swift is called elsewhere"
 
 
 def test_half_a_trial_is_not_merged(files):
