@@ -167,10 +167,9 @@ def nothing_of(results: xr.Dataset, option: str, name: str) -> InputError:
     """The error of a figure without any number of a quantity."""
     if not finished_trials(results).any():
         return InputError(NOTHING)
-    if np.isinf(numbers := measures.numbers(results, name)).any():
-        where = "half of the trials or fewer" if np.isfinite(numbers).any() else "no trial"
-        return wrong_option(option, name, f"nothing to draw, as it is infinite: it happened in {where}")
-    return wrong_option(option, name, "nothing to draw: no trial of these settings has numbers of it")
+    endless = np.isinf(measures.numbers(results, name)).any()
+    why = "it happened in no trial, or in too few" if endless else "no trial of these settings has numbers of it"
+    return wrong_option(option, name, f"nothing to draw: {why}")
 
 
 def left_out(captions: Sequence[str], kept: Sequence[int], why: str) -> str:

@@ -244,19 +244,14 @@ def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:
 
 
 def _lines(text: str, width: float, size: float) -> list[str]:
-    """The text in as few lines as fit, with about as many letters each, and a few more at the end of a broken word."""
+    """The text in as few lines as fit, with about as many letters each, and some at the end of a broken word."""
     letters = int(1.5 * len(text) * width / max(width_of(text, size), width)) + 1
     while True:
         lines = textwrap.wrap(text, letters)
-        if letters == 1 or all(width_of(line, size) <= width for line in lines):
-            break
+        short = len(lines) > 1 and len(lines[-1]) < LEAST_LAST < letters / 2 and text.endswith("".join(lines[-2:]))
+        if letters == 1 or (not short and all(width_of(line, size) <= width for line in lines)):
+            return lines
         letters -= 1
-    if len(lines) > 1 and text.endswith(lines[-2] + lines[-1]):
-        at = max(0, len(lines[-2]) - max(0, LEAST_LAST - len(lines[-1])))
-        kept, last = lines[-2][:at], lines[-2][at:] + lines[-1]
-        if kept and " " not in last and width_of(last, size) <= width:
-            lines[-2:] = [kept, last]
-    return lines
 
 
 def in_lines(name: str, room: float, size: float) -> str:

@@ -114,12 +114,6 @@ def pages_of(figure: Figure) -> list[Part]:
     return _PARTS.get(figure, [])
 
 
-def excess_of(figure: Figure) -> float:
-    """By how many inches the highest page of a figure is too high, unless its height was given; at most 0 if none."""
-    heights = [part.box.height for part in pages_of(figure)] or [figure.get_figheight()]
-    return 0.0 if page().height else max(heights) - page().highest
-
-
 def sheet(
     captions: Sequence[str], title: str | None, *, rows: Sequence[str] = (),
     size: tuple[float, float | Sequence[float]] | None = None, least: float | None = LOWEST, left: float = LEFT,

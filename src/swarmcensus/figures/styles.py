@@ -223,12 +223,11 @@ def add_endless(axes: Axes, signs: Mapping[float, Sequence[Look]]) -> None:
     places = {x: points * (top.transform((x, 1.0))[0] - axes.bbox.x0) for x in signs}
     for x, looks in signs.items():
         columns, place = -(-len(looks) // STACKED), places[x]
-        apart = min((abs(place - other) for at, other in places.items() if at != x), default=np.inf)
-        wide = min(2 * place, 2 * (points * axes.bbox.width - place), apart)
+        apart = (abs(place - other) for at, other in places.items() if at != x)
+        wide = min(2 * place, 2 * (points * axes.bbox.width - place), *apart)
         counted = (columns > 1 and scale() * SIGN * columns > wide) or len({one.colour for one in looks}) < len(looks)
         for k, look in enumerate([Look(f"{len(looks)}", "", "0.3", "")] if counted else looks):
-            right, below = divmod(k, STACKED)
-            aside, down = (0.0, 1) if counted else (right - (columns - 1) / 2, below)
+            aside, down = (0.0, 1) if counted else (k // STACKED - (columns - 1) / 2, k % STACKED)
             edge = shifted(top, axes, scale() * SIGN * aside, -scale() * (5.0 + SIGN * down))
             sign = endless_mark(look.colour, transform=edge, clip_on=False)
             add_dots(axes, sign, [x], [1.0], label=f"infinite {look.name}", zorder=4)

@@ -261,16 +261,14 @@ def _as_kept(data: xr.Dataset) -> dict[str, xr.Variable]:
 
 def _dataset(variables: Mapping[str, xr.Variable], attributes: Mapping[str, Any]) -> xr.Dataset:
     """The dataset of which `_as_kept` made variables. Raises ResultsError if it would make others."""
-    coordinates = {dim for one in variables.values() for dim in one.dims}
     added = {name: {key: one.attrs.pop(key, None) for key in ADDED} for name, one in variables.items()}
-    for found in added.values():
-        coordinates.update(str(found["coordinates"]).split())
+    named = " ".join(str(found["coordinates"]) for found in added.values()).split()
+    coordinates = {*named, *(dim for one in variables.values() for dim in one.dims)}
     data = xr.Dataset(variables, attrs=attributes).set_coords(coordinates & variables.keys())
     for name, one in _as_kept(data).items():
         for key, value in added[name].items():
-            right = _plain(one.attrs.get(key))
-            if repr(value) != repr(right):  # NaN is not equal to itself
-                raise ResultsError(f"{CHANGED}: {key} of {name} is {value!r}, and should be {right!r}", key=name)
+            if repr(value) != (right := repr(_plain(one.attrs.get(key)))):  # NaN is not equal to itself
+                raise ResultsError(f"{CHANGED}: {key} of {name} is {value!r}, and should be {right}", key=name)
     return data
 
 

@@ -4,6 +4,7 @@ import math
 import secrets
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -90,10 +91,10 @@ class Verification(Answer):
     labels: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     unchecked: list[str] = field(default_factory=list)
+    cautions: list[str] = field(default_factory=list)  # type: ignore[assignment]
     excused: int = 0  # values that differ by no more than cards and processors may
     seed: int | None = None  # of the sample, if not all trials were checked
     of: str = "these results"
-    cautions: list[str] = field(default_factory=list)  # type: ignore[assignment]
 
     @property
     def code(self) -> int:  # type: ignore[override]
@@ -182,31 +183,27 @@ def verify(
     notes = list(_notes(data))
     if lacking:
         notes.append(f"{counted(lacking, 'trial')} of merged studies lack what another of these measures")
-    more: dict[str, Any] = {"unchecked": list(_unchecked(data)), "cautions": list(_cautions(data, studies))} | of
-    return Verification(count, len(every), found, labels, notes, excused=excused, seed=seed, **more)
+    cautions = list(_cautions(data, studies))
+    return Verification(count, len(every), found, labels, notes, list(_unchecked(data)), cautions, excused, seed, **of)
 
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
     version = data.attrs["swarmcensus_version"]
     if version != __version__:
         yield f"the file is of version {version}, and this is {__version__}"
-    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), failed_trials(data).sum()
-    if done < total:
-        failures = f", {failed:,} failed" if failed else ""
-        yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
 
 
 def _cautions(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     """What fits the study, and yet could mislead."""
-    tried = int(data.attrs["trials_done"]) + int(failed_trials(data).sum())
-    if lacking := int(data.attrs["trials_total"]) - tried:
-        why = "the run was cut off, or somebody took out trials for their numbers"
-        yield f"{counted(lacking, 'trial')} neither finished nor failed: {why}; a run to the end shows which"
+    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), failed_trials(data).sum()
+    if done < total:
+        why = f", {failed:,} failed" * bool(failed)
+        why += "; the run was cut off, or somebody took out trials for their numbers" * bool(done + failed < total)
+        yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{why}"
     called = {name: label for study in studies for name, label in study.labels.items()}
-    for name, label in called.items():
-        for other, title in TITLES.items():
-            if other != name and label.casefold() in (other, title.casefold()):
-                yield f"labels call {name} {label!r}, which is what {other} is called elsewhere"
+    for (name, label), (other, title) in product(called.items(), TITLES.items()):
+        if other != name and label.casefold() in (other, title.casefold()):
+            yield f"labels call {name} {label!r}, which is what {other} is called elsewhere"
 
 
 def _unchecked(data: xr.Dataset) -> Iterator[str]:

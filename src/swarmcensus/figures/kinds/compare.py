@@ -20,7 +20,7 @@ from swarmcensus.figures.axes import Numbers, short, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, caption_of, check_worlds, listed
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
-from swarmcensus.figures.sheets import add_key, excess_of, figure_of, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, looks_of_contenders, outlined_dot, shifted
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
@@ -36,6 +36,7 @@ BOTH_NEVER = "no dot: half of the trials or more of both never come to it"
 APART = "\u2003"  # a wide space, which SVG does not shorten
 SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
+AROUND, ENTRY = 1.2, 0.2  # inches: about the height of what is around a panel, and of an entry of a key
 NAME = 150.0  # points: the width of a row's name, which may take two lines
 NAME_SHARE = 0.33  # of a page's width, the most that names take
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
@@ -79,25 +80,11 @@ def compare(
         never = endless & (every[k].value == 0)
         every[k] = every[k]._replace(value=np.where(never, np.nan, every[k].value))
         remark = BOTH_NEVER if never.any() else remark
-    check_worlds(worlds, rows, cols)
-    return _drawn(results, standings, every, (rows, cols), title, remark, MOST_ROWS)
-
-
-def _drawn(
-    results: xr.Dataset,
-    standings: comparison.Comparison,
-    every: Sequence[Effect],
-    panels_by: tuple[Names, Names],
-    title: str | None,
-    remark: str,
-    most: int,
-) -> Figure:
-    """Draw panels of at most `most` rows, or of fewer if a page is too low for them."""
-    worlds, reference = standings.grid.worlds, standings.against or 0
     others = [k for k in range(len(standings.contenders)) if k != reference]
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
-    sides = tuple(listed(names) or [] for names in panels_by)
+    check_worlds(worlds, rows, cols)
+    sides = listed(rows) or [], listed(cols) or []
     in_panels = defaultdict[tuple[str, str], dict[int, str]](dict)  # the rows of worlds, by the texts of both sides
     for k, world in enumerate(worlds):
         text = caption_of({name: value for name, value in world.items() if name not in (*sides[0], *sides[1])})
@@ -106,13 +93,15 @@ def _drawn(
     # each contender has a row
     apart_from_others = max(map(len, in_panels.values())) == 1 or len(others) > MOST_TOGETHER
     of_contenders = [look.name for look in looks] if apart_from_others else []
+    many, dots = apart_from_others and len(looks) > MOST_TOGETHER, 1 if apart_from_others else len(looks)
+    lines = ((page().height or page().highest) / scale() - AROUND - ENTRY * dots) / max(LINE * dots, 0.2)
+    most = int(np.clip(lines / 0.75 / SQUEEZED, 1, MOST_ROWS))
     blocks = [block for at, texts in in_panels.items() for block in _blocks(*at, texts, of_contenders, most)]
-    many = apart_from_others and len(looks) > MOST_TOGETHER
     room = min(NAME * scale(), 72 * (MANY_SHARE if many else NAME_SHARE) * (page().width or np.inf))
     labels = [["\n".join(wrapped(text, room, letters(), 2 - many)) for text in block.names] for block in blocks]
     longest = max(width_of(line, letters()) for block in labels for text in block for line in text.split("\n"))
     least = 0.28 if any("\n" in text for block in labels for text in block) else 0.2
-    tall = scale() * (LINE if many else max(LINE * (1 if apart_from_others else len(looks)) + 0.08, least))
+    tall = scale() * (LINE if many else max(LINE * dots + 0.08, least))
     has = [not np.isnan(effect.value[:, others]).all() for effect in every]
     if not any(has):
         raise InputError(f"nothing to draw: {NUMBERLESS}")
@@ -148,12 +137,6 @@ def _drawn(
         place.spines["left"].set_visible(False)
     against = every_look[reference].name.replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
-    tallest = max(axes, key=lambda ax: ax.bbox.height)
-    too_many = excess_of(figure_of(axes)) / (tallest.bbox.height / tallest.figure.dpi)
-    longest_block = max(len(block.names) for block in blocks)
-    if too_many > 0.0 and longest_block > 1:
-        fewer = max(1, int(longest_block * (1.0 - too_many)))
-        return _drawn(results, standings, every, panels_by, title, remark, fewer)
     measures = [effect.measure.name for effect in drawn]
     remarks = [numberless, remark, in_worlds_too_few(standings.contests)]
     remarks += [on_edges([results], measures), unlearnt([results], measures, NEVER)]
@@ -170,9 +153,7 @@ class _Block(NamedTuple):
     column: str
 
 
-def _blocks(
-    row: str, column: str, worlds: Mapping[int, str], contenders: Sequence[str], most: int
-) -> list[_Block]:  # fmt: skip
+def _blocks(row: str, column: str, worlds: Mapping[int, str], contenders: Sequence[str], most: int) -> list[_Block]:
     """The panels of each measure: one for each world if contenders have rows; else one for worlds that fit a page."""
     names = contenders or [*worlds.values()]
     portions = [part.tolist() for part in np.array_split(np.arange(len(names)), -(-len(names) // most))]

@@ -121,9 +121,7 @@ def heatmap(
     high = max(ROW * scale() * len(names), 0.75)
     size = min(max(cell * len(across), 2.4), LARGEST[0]), high if named_rows else min(high, LARGEST[1])
     left = 0.55 + max(width_of(name, letters()) for name in names) / 72 / scale()
-    panels = [
-        (part, k, values[k]) for part, (values, *_) in zip(parts, maps, strict=True) for k in range(len(measured))
-    ]
+    panels = [(part, k, found[0][k]) for part, found in zip(parts, maps, strict=True) for k in range(len(measured))]
     called = [_name_of(results, measure) for measure in measured]
     captions = [called[k] for _, k, *_ in panels]
     worlds = [", ".join(filter(None, (part.row, part.caption))) for part, *_ in panels if len(parts) > 1]
@@ -153,9 +151,8 @@ def heatmap(
         place.spines[:].set_visible(False)
     shown = [measure.name for measure in measured]
     of_k = [results] if "convergence_round" in shown else []
-    remarks = [hidden_tail(results, shown, "z"), misleading(of_k), on_edges([results], shown)]
     says_so, blank = any(misled for _, misled, _ in maps), any(lacks for *_, lacks in maps)
-    remarks += [BLANK] * blank
+    remarks = [hidden_tail(results, shown, "z"), misleading(of_k), on_edges([results], shown), BLANK * blank]
     remarks.append(UNCOLOURED if says_so else unlearnt([results], shown, "it counts as never"))
     entries: dict[str, Artist] = {strip.longest: strip for *_, strip in colours if strip}
     entries |= {why: Patch(color=GREY) for why, there in ((UNCOLOURED, says_so), (BLANK, blank)) if there}

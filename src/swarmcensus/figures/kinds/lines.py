@@ -269,8 +269,7 @@ def _steps(
         found = comparison.compare(results, y or times[0], factor=color or ())
     except InputError as error:  # lines has no factor
         theirs, ours = (option(name, "?").partition("?")[0].replace("'", "") for name in ("factor", "color"))
-        said, key = str(error).replace(theirs, ours), "color" if error.key == "factor" else error.key
-        raise type(error)(said, key=key, value=error.value, hint=error.hint) from None
+        raise type(error)(str(error).replace(theirs, ours), key="color", value=error.value) from None
     return draw_steps(found, title, [results], rows, cols)
 
 

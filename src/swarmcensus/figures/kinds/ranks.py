@@ -14,7 +14,7 @@ from swarmcensus.analysis import Standings, compare, in_worlds_too_few, overall_
 from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.coordinates import Names
 from swarmcensus.figures.page import PageOptions, ink, letters, on_page, page, scale, wrapped
-from swarmcensus.figures.sheets import EDGE, add_key, excess_of, figure_of, sheet
+from swarmcensus.figures.sheets import EDGE, add_key, sheet
 from swarmcensus.figures.styles import looks_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -29,7 +29,7 @@ NUMBER = 0.36  # of these for a rank
 MOST_LINES = 2  # of a name
 LINE, BAR = 0.12, 0.09  # a line of a name, and from bar to bar
 APART = 0.05  # between names; less if a page is too low
-UNDER = 0.12  # under the last name
+UNDER, AROUND = 0.12, 1.25  # under the last name, and about all but bars and names
 MOST = 40  # contenders
 GREY = "0.35"  # of the lines to the names
 KEY = "1 is best. {}Friedman's test is of all together: whether any differ."
@@ -86,25 +86,21 @@ def draw_ranks(standings: Standings, title: str | None = None, results: Sequence
     called = [look.name for look in looks_of_contenders(standings.contenders, standings.grid.factor, results).values()]
     side = min(NAMES * times, 0.55 * wide)  # for the names
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
-    captions, apart = [_caption(standings, k) for k in drawn], APART * times
-    for _ in range(2):  # the second time with names as close as a page needs
-        tall = [LINE * times * len(lines) + apart for lines in names]  # inches of each name
-        inches = [times * (UNDER + BAR * (len(bars) + 1)) + sum(tall) for bars in joined]  # of a panel
-        panels = sheet(
-            captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
-        )  # fmt: skip
-        for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
-            panel.set_ylim(deep, 0)
-            _draw(panel, names, average, bars, tall, side)
-        add_key(panels, KEY.format(BARS * any(joined)), {}, below=True)
-        if (excess := excess_of(figure_of(panels))) <= 0.0:
-            break
-        apart = max(0.0, apart - 1.01 * excess / len(names))
-    if excess > 0.0 and page().width:
-        high = page().highest
-        smaller = int(1.96 * letters() * high / (high + excess)) / 2  # margins stay
-        few = f"select some settings, or take smaller letters, as by {option('font_size', smaller)}"
+    needed = times * (AROUND + BAR * max(map(len, joined)) + LINE * sum(map(len, names)))  # with no gaps, about
+    if needed > (high := page().highest) and page().width:
+        few = f"select some settings, or take smaller letters, as by {option('font_size', letters() * high // needed)}"
         raise InputError(f"ranks: {len(names)} contenders are too many for a page of {high:g} inches: {few}")
+    apart = min(APART * times, max(0.0, high - needed) / len(names))
+    tall = [LINE * times * len(lines) + apart for lines in names]  # inches of each name
+    captions = [_caption(standings, k) for k in drawn]
+    inches = [times * (UNDER + BAR * (len(bars) + 1)) + sum(tall) for bars in joined]  # of a panel
+    panels = sheet(
+        captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
+    )  # fmt: skip
+    for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
+        panel.set_ylim(deep, 0)
+        _draw(panel, names, average, bars, tall, side)
+    add_key(panels, KEY.format(BARS * any(joined)), {}, below=True)
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
     few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
