@@ -221,13 +221,15 @@ def test_nodes_and_boots_draw_numbers_of_their_own(ros, monkeypatch):
     assert len(set(draws)) == 3
 
 
+@pytest.mark.parametrize("topics", [False, True])
 @pytest.mark.parametrize("ros", ["commons --report 127.0.0.1"], indirect=True)
-def test_nodes_are_started_watched_and_stopped(ros, tmp_path):
-    """Over UDP, as boards are."""
+def test_nodes_are_started_watched_and_stopped(ros, tmp_path, topics):
+    """Over UDP, as boards are, or over topics and a gateway."""
     world = World(ros)
     with closing(Network(("127.0.0.1", 0))) as link:
         sys.modules["settings"].REPORT = link.socket.getsockname()
-        nodes = [world.node(number) for number in range(ROBOTS)]
+        nodes = [world.node(number, topics=topics) for number in range(ROBOTS)]
+        gateway = ros[0].Gateway() if topics else None
         fleet = Fleet(tmp_path, load("commons"), [link], {number: Reporting() for number in range(ROBOTS)})
         world.run(9)
         fleet.listen()
@@ -243,8 +245,8 @@ def test_nodes_are_started_watched_and_stopped(ros, tmp_path):
         assert {node.robot.ticks for node in nodes} <= {30, 31}
         world.run(9)
         assert {node.robot.ticks for node in nodes} <= {30, 31}
-        for node in nodes:
-            node.reports.link.socket.close()
+        for one in [gateway.link] if gateway else [node.reports.link for node in nodes]:
+            one.socket.close()
 
 
 def test_ticks_follow_the_clock_of_ros(ros):

@@ -216,7 +216,7 @@ def _cut_ends(recording: Recording) -> Iterator[tuple[RobotLog, str]]:
             yield log, f"it has {len(ticks):,} of {counts[number]:,} lived ticks"
         elif heard.get(number, 0) > max(ticks, default=0) + LEAST_TICKS:  # of all boots: some robots cannot count them
             yield log, f"another robot heard it in its tick {heard[number]:,}"
-        elif number not in counts and clock.is_common and earlier > least:
+        elif number not in counts and clock.is_common and not log.states[-1].boot and earlier > least:
             yield log, f"it ends {earlier:,} ticks before the last log: it was cut, or the robot stopped"
 
 
