@@ -180,7 +180,7 @@ def _answer(
     differ = p_robots < LEVEL or len(rows) == 1
     in_a_row = f"a reading does not depend on the one before, as far as these show ({of_row}, {level})"
     if math.isnan(depends.p):
-        in_a_row = "whether readings depend on the one before is unknown: counts lack `changes`, or all are alike"
+        in_a_row = "whether readings depend on the one before is unknown: counts lack `changes`, or all are equal"
     elif depends.share < 1.0:
         count = f"1,000 count as {1000 * depends.share:.0f}"
         in_a_row = f"readings depend on the one before ({of_row}, {level}): {count}; move faster, or read less often"

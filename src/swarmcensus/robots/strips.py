@@ -58,10 +58,10 @@ def _fewer_p(black: int, readings: int) -> np.ndarray:
 
 
 def dependence(parts: Sequence[Part]) -> tuple[float, float]:
-    """The p-value of readings in a row that are more alike than by chance, and the correlation of neighbours.
+    """The p-value of readings in a row that are more often equal than by chance, and the correlation of neighbours.
 
     The p-value is exact unless there are many changes. Both are NaN if no part tells its changes, or all of its
-    readings are alike.
+    readings are equal.
     """
     known = [part for part in parts if part.changes is not None and 0 < part.black < part.readings]
     black, n, changes = (np.array([getattr(part, name) for part in known], np.float64) for name in

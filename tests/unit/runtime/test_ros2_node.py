@@ -279,7 +279,7 @@ def test_datagrams_of_all_robots_wait_for_a_tick(ros):
     node = world.node(0, depth=40, folder="kept")
     assert world.middleware.depths["swarm/messages"] == 40
     for number in range(1, 61):
-        node.hear(sys.modules["std_msgs.msg"].UInt8MultiArray(data=[number]))
+        node.radio.hear(sys.modules["std_msgs.msg"].UInt8MultiArray(data=[number]))
     world.run(1)
     assert node.robot.refused == 39  # and its own
 

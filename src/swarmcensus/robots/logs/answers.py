@@ -1,7 +1,7 @@
 """What came of running robots' brains again, in words and rows, and whether it is so to the bit."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,8 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay]) -> Answer:
         for life in lives for one in life.breaks if life.number not in strangers
     ]  # fmt: skip
     files = [(one.number, f": {hashes}") for one in recording.members for hashes in other_hashes(one)]
-    logs, gaps, lost = "its log" if len(lives) == 1 else "their logs", gaps_in(recording), lost_in(recording)
+    logs, lost = "its log" if len(lives) == 1 else "their logs", lost_in(recording)
+    gaps = gaps_in(recording, lost)
     return Answer(
         title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
         sentences=[
@@ -53,8 +54,8 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay]) -> Answer:
     )  # fmt: skip
 
 
-def gaps_in(recording: Recording) -> list[str]:
-    """What a recording lacks: logs, its end, and parts of logs."""
+def gaps_in(recording: Recording, lost_by_robot: Mapping[int, list[Lost]] | None = None) -> list[str]:
+    """What a recording lacks: logs, its end, and parts of logs, which are those of `lost_in`."""
     found, about = [f"left out: {what}" for what in recording.absent], recording.about
     rounds, lived = about.get("rounds"), max(member.log.last.tick for member in recording.members)
     is_short = "result" not in about and isinstance(rounds, int) and lived + LEAST_TICKS < rounds
@@ -62,7 +63,7 @@ def gaps_in(recording: Recording) -> list[str]:
         found.append(f"the recording was not finished: its logs end at tick {lived:,}")
     lost = [
         (number, f", boot {one.boot}: {_ticks(one)} not in the log: {one.reason}")
-        for number, parts in lost_in(recording).items() for one in parts
+        for number, parts in (lost_by_robot or lost_in(recording)).items() for one in parts
     ]  # fmt: skip
     return [*found, *_grouped(lost, len(recording.members))]
 
