@@ -56,15 +56,8 @@ def edited():
     Path("mine.py").write_text(source.replace("1e-12", f"1e-12 * (1.0 + {time.time_ns()}e-16)"))
 
 
-def until(page, what):
-    """Wait until something is so in a page; returns when."""
-    while not page.evaluate(f"typeof state !== 'undefined' && {what}"):
-        time.sleep(0.02)
-    return time.perf_counter()
-
-
-def watched(page, *words, edits=False):
-    """A page of `watch` until its picture moves; with `edits` also after its brain's file was changed."""
+def watched(page, *words):
+    """A page of `watch` until its picture moves."""
 
     def seconds(cache):
         command = [sys.executable, "-m", "swarmcensus", "watch", "--quiet", "--no-browser", *words]
@@ -72,15 +65,11 @@ def watched(page, *words, edits=False):
         begun = time.perf_counter()
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as running:
             page.goto(running.stdout.readline().strip())
-            spent = [until(page, "state.drawn > 0") - begun]
-            if edits:
-                until(page, "state.settled !== null")  # machine code shows it
-                run, begun = page.evaluate("state.run"), time.perf_counter()
-                edited()
-                spent.append(until(page, f"state.run > {run} && state.drawn >= 0") - begun)
+            page.wait_for_function("typeof state !== 'undefined' && state.drawn > 0", polling=20)
+            spent = time.perf_counter() - begun
             page.goto("about:blank")
             running.terminate()
-        return spent
+        return [spent]
 
     return seconds
 
@@ -127,7 +116,7 @@ def trying(cold=False, quick=False):
             ("the first figure of `reproduce`",): (program("reproduce", "--only", "fig2", "--fresh"),),
             ("all of `reproduce`",): (program("reproduce", "--fresh"),),
             ("`watch`, a network",): (watched(page, "--set", "topology=ring"),),
-            ("`watch`, robots that move", "then after a change of the brain"): (watched(page, "mine.py", edits=True),),
+            ("`watch`, robots that move",): (watched(page),),
         }
         if not cold:
             new, new_moving = (program("run", f"my-{name}.toml", *again, edits=True) for name in ("network", "moving"))
