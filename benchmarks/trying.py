@@ -65,7 +65,8 @@ def watched(page, *words):
         begun = time.perf_counter()
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as running:
             page.goto(running.stdout.readline().strip())
-            page.wait_for_function("typeof state !== 'undefined' && state.drawn > 0", polling=20)
+            while not page.evaluate("typeof state !== 'undefined' && state.drawn > 0"):
+                time.sleep(0.02)
             spent = time.perf_counter() - begun
             page.goto("about:blank")
             running.terminate()
