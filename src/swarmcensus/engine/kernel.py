@@ -114,7 +114,7 @@ def simulate(
         wait(team)
         number = given.first + trial
         stops = given.stops[trial]
-        graph = graph_of(links, trial if links.starts.size > 2 else 0, work.bounds, begin, end)
+        graph = graph_of(links, trial if links.starts.size > 2 else 0, work.bounds)
         source = source_with(work.tables, work.stand, sensors_of(sensors, trial))
         call(helpers[RENEW], packed(source, SOURCE), 1, begin, end)
         counted = tally_of(tally, trial)
