@@ -7,6 +7,8 @@ LISTED, FULL, PAIRS = 0, 1, 2
 BLOCK = 256
 # blocks of a full network that do so: robots pass through the cache twice then, and a processor foresees only long runs
 BLOCKS = 16
+# rounds that a block goes through while it is in the cache, where its robots hear only those of blocks nearby
+AHEAD = 8
 
 # what is counted of a robot's messages
 SENT, HEARD, CLIPPED = 0, 1, 2

@@ -97,14 +97,12 @@ def simulate(
     """
     memory, outbox, signals, rows = states
     sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
-    checkpoints = intervals.checkpoints
-    robots = memory.shape[0]
-    segment = rows.shape[0]
+    robots, segment, checkpoints = memory.shape[0], rows.shape[0], intervals.checkpoints
     count = (rounds + segment - 1) // segment
     team = team_of(member, swarm, segments.votes, robots)
     begin, end = team.first, team.last
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
-    late, agreement, delta = segments.outboxes.shape[0] > 0, measures.agreement, measures.delta
+    agreement, delta = measures.agreement, measures.delta
     unjudged, order, answer = tally.verdicts[0, :0], work.order, work.answer
     helpers, settled, clips = swarm.helpers, swarm.helpers[SETTLED], False
     for group in range(swarm.clipped.size):
@@ -114,7 +112,7 @@ def simulate(
         wait(team)
         number = given.first + trial
         stops = given.stops[trial]
-        graph = graph_of(links, trial if links.starts.size > 2 else 0, work.bounds, begin, end)
+        graph = graph_of(links, trial if links.starts.size > 2 else 0, work.bounds)
         source = source_with(work.tables, work.stand, sensors_of(sensors, trial))
         call(helpers[RENEW], packed(source, SOURCE), 1, begin, end)
         counted = tally_of(tally, trial)
@@ -142,18 +140,12 @@ def simulate(
             forward = step < count
             s, noted = (step, counted) if forward else (2 * count - 2 - step, again)
             shot = s - before
-            if forward and 0 <= shot < segments.snapshots.shape[0]:
-                copy_together(team, segments.snapshots[shot], memory)
-                if late:
-                    copy_together(team, segments.outboxes[shot], outbox)
-                    copy_together(team, segments.signals[shot], signals)
-            elif not forward and undecided and s == 0:
+            if not forward and undecided and s == 0:
                 blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
-            elif not forward and undecided:
-                copy_together(team, memory, segments.snapshots[shot])
-                if late:
-                    copy_together(team, outbox, segments.outboxes[shot])
-                    copy_together(team, signals, segments.signals[shot])
+            elif shot >= 0 and (forward or undecided):
+                copy_together(team, segments.snapshots, shot, memory, forward)
+                copy_together(team, segments.outboxes, shot, outbox, forward)
+                copy_together(team, segments.signals, shot, signals, forward)
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
@@ -272,9 +264,8 @@ def follow(
             words(swarm.draws, ZERO, s + 1, DRAW_FUSE, ZERO, robots, draws[1])
         if s % every == 0:  # robots that are done make no reading in this round
             forget_verdicts(verdicts, agreed, 0, readings.shape[1])
-            for block in range(np.uint64(swarm.of_block.size - 1)):
-                if judged:
-                    judge(swarm, block, memory, row, ZERO, verdicts, k)
+            for block in range(np.uint64(swarm.of_block.size - 1 if judged else 0)):
+                judge(swarm, block, memory, row, ZERO, verdicts, k)
         for i in range(robots):
             seen[i] = -1.0 if verdicts[i, IS_DONE] != 0.0 else readings[s, i]
         call(functions[SENSE], memory, outbox, signals, ZERO, seen, 1.0, ZERO, robots, draws[0], ZERO)

@@ -37,7 +37,7 @@ def live(swarm, given, states, tally, first, history, said, signals, messages, s
     memory, outbox, rows = states.memory, states.outbox, states.rows
     trial, radio, stops, counts, delay = given.first, given.radio, given.stops[0], tally.counts, given.radio.delay
     robots = memory.shape[0]
-    graph = graph_of(given.links, 0, work.bounds, 0, robots)
+    graph = graph_of(given.links, 0, work.bounds)
     source = source_with(work.tables, work.stand, sensors_of(given.sensors, 0))
     team = team_of(member, swarm, votes, robots)
     for r in range(rows.shape[0]):

@@ -105,9 +105,11 @@ def share_of(team, size):
 
 
 @loop()
-def copy_together(team, target, source):
-    """Copy an array; all wait until it is whole."""
-    there, here = target.reshape(-1), source.reshape(-1)
-    first, last = share_of(team, here.size)
-    copy_all(there[first:last], here[first:last])
+def copy_together(team, copies, k, array, is_kept):
+    """Copy an array to the k-th of its copies, if there is one, or back unless it `is_kept`; all wait for the whole."""
+    if k < copies.shape[0]:
+        copy, original = copies[k].reshape(-1), array.reshape(-1)
+        first, last = share_of(team, copy.size)
+        there, here = (copy, original) if is_kept else (original, copy)
+        copy_all(there[first:last], here[first:last])
     wait(team)

@@ -202,15 +202,11 @@ def agree_on(option, agreed, now):
 def forget_verdicts(verdicts, agreed, begin, end):
     """Reset decisions of robots begin ... end - 1 to what is known before the first round."""
     for i in range(min(begin, verdicts.shape[0]), min(end, verdicts.shape[0])):
-        verdicts[i, DECISION] = -1.0
-        verdicts[i, DECIDED_IN] = np.inf
-        verdicts[i, CHANGED] = np.inf
-        verdicts[i, WRONG] = -1.0  # no wrong decision
-        verdicts[i, DONE_IN] = np.inf
+        verdicts[i, DECISION] = verdicts[i, WRONG] = -1.0  # none, and no wrong one
+        verdicts[i, DECIDED_IN] = verdicts[i, CHANGED] = verdicts[i, DONE_IN] = np.inf
         verdicts[i, DONE_ESTIMATE] = np.nan
         verdicts[i, IS_DONE] = 0.0
-    agreed[0] = -1.0
-    agreed[1] = np.inf
+    agreed[0], agreed[1] = -1.0, np.inf
 
 
 @loop()

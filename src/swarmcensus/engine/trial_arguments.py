@@ -33,6 +33,7 @@ class Graph(NamedTuple):
     receivers: Any
     senders: Any
     bounds: Any  # (robot + 1): robot i has the links from bounds[i] to bounds[i + 1]
+    reach: Any  # the most blocks from a receiver's to a sender's; the last and the first are next to each other
 
 
 class TrialArguments(NamedTuple):
@@ -73,7 +74,7 @@ WORK = Work(
     REALS, WORDS, REALS, WORD_ROWS, BYTE_ROWS, BYTE_ROWS, _like(np.uint32, 2), READINGS.tables, REAL_ROWS, WHOLES,
     REALS, REALS, WHOLE_ROWS,
 )  # fmt: skip
-GRAPH, TEAM = Graph(1, NUMBERS, NUMBERS, WHOLES), Team(1, 1, 1, 1, 1, 1, 1, REAL_ROWS)
+GRAPH, TEAM = Graph(1, NUMBERS, NUMBERS, WHOLES, 1), Team(1, 1, 1, 1, 1, 1, 1, REAL_ROWS)
 TRIAL = TrialArguments(SWARM, STATES, WORK, READINGS, GRAPH, RECEPTION, TALLY, WHOLE_ROWS, 1, TEAM, BYTES)
 INPUTS = Inputs(
     1, Sensors(REAL_ROWS, REAL_ROWS, REAL_CUBE, REALS, 1, WORDS, WORDS), (REAL_ROWS, REAL_ROWS), RECEPTION, NO_LINKS,

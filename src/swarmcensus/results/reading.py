@@ -26,12 +26,11 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
     """A dataset as Python reads it, from one as files keep it; `store` allocates its arrays, by default in memory."""
     variables: dict[str, Any] = {}
     for name in WHOLE:
-        if name in data and data[name].dtype.kind == "i":
-            whole = data[name].values
+        if name in data and (one := data.variables[name]).dtype.kind == "i":
+            whole = one.values
             times = (store or ArrayStore()).full(whole.shape, np.nan, np.float64)
             np.copyto(times, whole, where=whole != MISSING)
-            about = data[name].attrs | {"comment": NOT_RUN.format("NaN")}
-            variables[name] = data[name].dims, times, about
+            variables[name] = one.dims, times, one.attrs | {"comment": NOT_RUN.format("NaN")}
     data = data.assign(variables)
     if "accuracy" not in data.coords or NUMERIC.keys() & {*data.variables}:
         return data

@@ -22,7 +22,7 @@ from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import Failure, bundle_tasks, plan_tasks
 from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
-from swarmcensus.summaries import cautions_of_edges, cautions_of_trials
+from swarmcensus.summaries import cautions_of_fill_ratios, cautions_of_trials
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
@@ -72,7 +72,7 @@ def run(
     if cautions:
         warn_of_needs(settings, study.measure.bins)
         warn_of_connections(settings, study.seed, study.trials)
-        _warn(cautions_of_edges(outline([study], merged=False)))
+        _warn(cautions_of_fill_ratios(settings, study.measure))
     placing = placing_of(
         study, settings, np.full(len(settings), study.trials), device,
         local=study.measure.local, cluster=cluster is not None, quiet=not cautions,

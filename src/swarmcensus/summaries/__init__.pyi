@@ -11,6 +11,7 @@ from .cautions import (
     caution_of_learning as caution_of_learning,
     cautions_of as cautions_of,
     cautions_of_edges as cautions_of_edges,
+    cautions_of_fill_ratios as cautions_of_fill_ratios,
     cautions_of_needs as cautions_of_needs,
     cautions_of_trials as cautions_of_trials,
     failed_trials as failed_trials,

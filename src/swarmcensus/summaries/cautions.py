@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import failed_in, origins_of
-from swarmcensus.studies import Setting, Study, unmet_needs
+from swarmcensus.studies import Measure, Setting, Study, unmet_needs
 from swarmcensus.summaries import measures
 from swarmcensus.summaries.never_learnt import never_learnt
 from swarmcensus.support.bins import on_edges
@@ -40,7 +40,7 @@ def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
     The estimates of such a robot never left its first belief by delta or more. Often this is because the fill ratio is
     0.5, where brains begin.
     """
-    when = data["convergence_round"].transpose("setting", "trial", "robot").values
+    when = data.variables["convergence_round"].transpose("setting", "trial", "robot").values
     known = (when >= 0).sum(axis=(1, 2))
     return np.asarray(np.where(known, (when == 0).sum(axis=(1, 2)) / np.maximum(known, 1), np.nan))
 
@@ -65,8 +65,7 @@ def settled_far_off(data: xr.Dataset, *, opinions: bool = False) -> NDArray[np.b
 
 def cautions_of_settling(data: xr.Dataset) -> list[str]:
     """A sentence on the settings in which K misleads, if there are any."""
-    found = settled_far_off(data)
-    if not found.any():
+    if not (found := settled_far_off(data)).any():
         return []
     one = data.isel(setting=found)
     highest = {n: np.nanmax(centres(measures.numbers(one, n), "median")) for n in ("final_disagreement", "error_90")}
@@ -140,8 +139,7 @@ def failures(data: xr.Dataset) -> list[str]:
 def cautions_of_start(data: xr.Dataset) -> list[str]:
     """A sentence on the settings in which 5 % of the robots or more converged before their first observation."""
     shares = settled_at_start(data)
-    found = np.flatnonzero(shares >= LEAST)
-    if not found.size:
+    if not (found := np.flatnonzero(shares >= LEAST)).size:
         return []
     delta = f" = {data.attrs['delta']:g}" if "delta" in data.attrs else ""
     return [
@@ -158,14 +156,21 @@ def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
         return []
     bins = int(nominal[0].attrs["bins"])
     texts = {text for data in nominal if "fill_ratio_change" in data for text in data["fill_ratio_change"].values}
-    changes = map(read_change, texts)
     drawn = [data["fill_ratio_spread"].values != "" if "fill_ratio_spread" in data else False for data in nominal]
     fixed = [np.where(so, np.nan, data["fill_ratio"].values) for so, data in zip(drawn, nominal, strict=True)]
-    values = np.unique(np.concatenate([*fixed, [one.first for one in changes if one]]))
-    found = [f"{value:g}" for value in values[on_edges(values, bins)]]
-    if not found:
-        return []
-    return [
+    return _of_edges(np.concatenate([*fixed, [one.first for one in map(read_change, texts) if one]]), bins)
+
+
+def cautions_of_fill_ratios(settings: Sequence[Setting], measure: Measure) -> list[str]:
+    """The same before anything has run."""
+    values = [one.fill_ratio for one in settings if not one.spread] + [s.change.first for s in settings if s.change]
+    return _of_edges(np.array(values), measure.bins) if measure.truth == "nominal" else []
+
+
+def _of_edges(values: NDArray[np.float64], bins: int) -> list[str]:
+    known = np.unique(values)
+    found = [f"{value:g}" for value in known[on_edges(known, bins)]]
+    return bool(found) * [
         f"fill ratios on the edge between two of the {bins} bins, {_first(found)}: about half of good estimates are in "
         "the wrong one. Choose another number of bins under [measure], or another fill ratio"
     ]

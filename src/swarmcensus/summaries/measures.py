@@ -229,7 +229,8 @@ def _input(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int 
         return truth(data)[rows, :, np.newaxis]
     if name == GOAL:
         return _goals(data, rows)
-    array = data[name].transpose("setting", "checkpoint", "trial", "robot", missing_dims="ignore")
+    # without coordinates, which would take longer than all else
+    array = data.variables[name].transpose("setting", "checkpoint", "trial", "robot", missing_dims="ignore")
     values = array.values[rows]
     if "checkpoint" in array.dims:
         place = reached(data, checkpoint)[rows]
