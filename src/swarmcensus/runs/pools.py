@@ -18,16 +18,13 @@ from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler,
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, ThreadBudget, metrics_of, run_bundle
 from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
-from swarmcensus.support.cores import cores
 from swarmcensus.support.fork import in_background
-from swarmcensus.support.options import wrong_option
 from swarmcensus.worlds import Topology
 
 if TYPE_CHECKING:
     from swarmcensus.gpu import Card
 
 BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
-MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
 _MAKING_NATIVE: list[Callable[[], None]] = []  # the copy of this process that does so, and ends with it
 
@@ -116,17 +113,6 @@ class Threads(Pool):
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
         self.stop[0] = 1
-
-
-def thread_count(jobs: int | None) -> int:
-    """Check the number of threads, by default one per core. Raises InputError if it is below 1 or too large."""
-    known = cores()
-    most = max(MOST_JOBS, known)
-    jobs = known if jobs is None else jobs
-    if not 1 <= jobs <= most:
-        should = f"should be 1 to {most:,} threads; more threads than cores ({known}) are not faster"
-        raise wrong_option("jobs", jobs, should)
-    return jobs
 
 
 def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str], None]) -> None:
