@@ -20,6 +20,9 @@ class FakeCard(Card):
     def most_trials(self, setting, metrics, local):
         return self.most
 
+    def compile_for(self, kinds, seed):
+        pass
+
     def run_batch(self, setting, seed, first, trials, metrics, stop, local=False):
         batch = run_batch(setting, seed, first, trials, metrics, stop, local)
         self.threads.add(threading.get_ident())

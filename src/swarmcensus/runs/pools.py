@@ -52,6 +52,9 @@ class Pool(ABC):
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start running a bundle."""
 
+    def prepare(self, tasks: Iterable[Task]) -> None:  # noqa: B027 - workers compile for themselves
+        """Compile what tasks need before they run."""
+
     def so_far(self, future: Future[Outcome]) -> Outcome:
         """What is known of a bundle that is given up while it runs: nothing where it is sent whole."""
         return []
@@ -92,6 +95,13 @@ class Threads(Pool):
     def queue_length(self) -> int:
         """How many bundles should be submitted at a time: those for the card keep no thread waiting."""
         return 4 * self.threads.jobs + len(self._on_card)
+
+    def prepare(self, tasks: Iterable[Task]) -> None:
+        """Have a card compile what its tasks need; what fails there fails again where it runs, and is said."""
+        settings, seed = self.common
+        kinds = {(settings[task.settings[0]], task.kind == "local") for task in tasks if task.on_card}
+        if kinds and self.card and self.feeder:
+            self.feeder.submit(self.card.compile_for, kinds, seed)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""

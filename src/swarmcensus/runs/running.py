@@ -19,7 +19,7 @@ from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.devices import Device, Hardware, WhereToRun, placing_of
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
-from swarmcensus.runs.tasks import Failure, bundle_tasks, plan_tasks
+from swarmcensus.runs.tasks import Failure, plan_tasks
 from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
 from swarmcensus.summaries import cautions_of_edges, cautions_of_trials
@@ -159,7 +159,7 @@ def recompute(
     tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.room)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     with _pool(state) as pool:
-        if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
+        if run_bundles(state, tasks, pools.BUNDLE_SECONDS, pool):
             raise KeyboardInterrupt
     return values, state.failures
 
@@ -242,7 +242,7 @@ def _run_stages(state: State, pool: pools.Pool) -> bool:
         state.part = "this stage" if trials < state.study.trials else ""
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
-        if tasks and run_bundles(state, bundle_tasks(tasks, bundle_seconds), pool):
+        if tasks and run_bundles(state, tasks, bundle_seconds, pool):
             return True
         if state.study.until is not None:
             unsettled[[f.setting for f in state.failures]] = False

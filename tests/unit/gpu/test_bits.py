@@ -135,8 +135,10 @@ def test_programs_are_for_all_parameters(card, monkeypatch):
         study = networks("tracking").with_(
             swarm={"brain": {"file": "tracking", "memory": memory}, "robots": 6, "accuracy": 0.8}
         )
+        card.compile_for([(study.settings()[0], False)], study.seed)
         assert differences(card, study) == []
     assert len(set(sources)) == 2  # of the rounds, and of what is measured
+    assert set(sources) == card.driver.compiled
 
 
 def test_batches_fit_the_memory():

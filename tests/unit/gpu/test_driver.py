@@ -236,6 +236,15 @@ def test_machine_code_is_compiled_once_and_damaged_files_again(card):
     assert len([*cache_root().glob("*.cubin")]) == 2
 
 
+def test_programs_are_compiled_together_and_loaded_by_the_thread_that_runs_them(card, monkeypatch):
+    opened, both = open_driver(), threading.Barrier(2)
+    monkeypatch.setattr(driver, "cores", lambda: 2)
+    monkeypatch.setattr(opened._nvrtc, "nvrtcCompileProgram", lambda *_: (0 * both.wait(9),))
+    opened.compile(["one", "two"])
+    assert "cuModuleLoadData" not in card.called
+    assert [opened.build(name).handle for name in ("one", "two")] == [b"code of one", b"code of two"]
+
+
 def test_a_cache_that_cannot_be_written_is_done_without(card, monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "file" / "cache"))
