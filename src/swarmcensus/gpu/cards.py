@@ -29,6 +29,7 @@ THREADS = 128  # of a block that runs several small trials, or robots or rows on
 BLOCK_SIZE = 256  # robots of a block of a large swarm, whose messages are added up together (kernels/sums.h)
 SHARED = 227 * 1024  # bytes of shared memory that a block may take, where the card has them (Hopper)
 FOR_QUANTILES = 1120  # bytes of it
+DIGITS, TALLIES = 8, 4096  # of a key, and bytes of the tallies of one digit, to find quantiles of wide rows
 PIECE = 1 << 14  # robots of a row of which one block finds the extremes
 ALIGNED = 256  # bytes
 FAILED = "brain_failed"  # a variable of programs: whether Python would have raised an error
@@ -40,7 +41,8 @@ MOST_BLOCKS = 1 << 30  # of a launch
 MOST_COMPARED = 1000  # robots of a trial by which a program is compared with the CPU
 LAUNCHES = 64  # rounds of a large swarm between two looks at whether to stop
 
-MEASURES = ("tables", "settle", "extremes", "agree", "check", "decide")  # kernels that know of no brain
+# kernels that know of no brain
+MEASURES = ("tables", "settle", "extremes", "tally", "choose", "agree", "check", "decide")
 
 
 def why_not(setting: Setting, metrics: Metrics) -> str | None:
@@ -85,9 +87,9 @@ class Sizes(NamedTuple):
         """Bytes of memory that a trial takes, at most."""
         robots = self.robots
         large = 0 if self.is_small else robots * (8 * self.words + self.slots * (self.message + 1) + 2 * self.message)
-        tables = robots * 16 * 8 * 2
         decisions = 2 * self.rounds * (robots + 1) if self.features.judged else 0
-        return (self.rounds + 1) * (8 * robots + 20) + large + tables + decisions + robots * 256
+        each = 8 * robots + 20 + 2 * TALLIES * (robots > PIECE)
+        return (self.rounds + 1) * each + large + decisions + robots * 512
 
 
 class Card:
@@ -223,8 +225,7 @@ def features_of(setting: Setting, given: Inputs, local: bool = False) -> Feature
     brains, sensors = setting.brains, given.sensors
     return Features(
         mode=LISTED if local else given.links.mode,
-        sound=given.radio.threshold == 0 and given.stops.shape[2] == 0,
-        jams=any(brain.jams for brain in brains),
+        sound=given.radio.threshold == 0 and given.stops.shape[2] == 0, jams=any(brain.jams for brain in brains),
         signalled=len(brains) > 1 or brains[0].uses.silence or brains[0].jams, lucky=given.draws.size > 0,
         judged=_has_verdicts(setting, local), bounded=_has_intervals(setting, local),
         changes=sensors.drift.shape[2] > 0 or sensors.course[3] > 1.0,
@@ -325,26 +326,24 @@ class _BatchOnCard:
             shapes |= {"verdicts": (*each, 6), "unanimous": (trials, rounds)} if features.judged else {}
             shapes |= {"bounds_of": (checks, trials, 2, robots)} if features.bounded else {}
         shapes |= {"clipped": each} if self.formats else {}
-        sensors, kinds = self.given.sensors, self.given.kinds
+        sensors, kinds, wide = self.given.sensors, self.given.kinds, bool(self.given.piece) * trials * (rounds + 1)
         types = {name: np.dtype(ARRAYS[name].removesuffix("_t")) for name in shapes}
         kept = {name: types[name].itemsize * math.prod(shape) for name, shape in shapes.items()}
         work = {
             "said": 4 * trials * (rounds + 1) if features.counted and features.mode == FULL else 0,
-            "extremes": 16 * trials * (rounds + 1) if self.given.piece else 0,
-            "rows": 8 * trials * (rounds + 1) * robots,
-            "tables": 8 * 16 * trials * kinds * sensors,
-            "stand": 8 * 3 * trials * sensors,
+            "extremes": 16 * wide, "tallies": TALLIES * wide,
+            "rows": 8 * trials * (rounds + 1) * robots, "tables": 8 * 16 * trials * kinds * sensors,
+            "stand": 8 * 3 * trials * sensors, "sought": 64 * wide, "widths": 8 * wide,
             "decisions": 2 * trials * rounds * robots if features.judged else 0,
-        }
+        }  # fmt: skip
         if not self.local and not sizes.is_small:
             blocks = -(-robots // BLOCK_SIZE)
             work |= {
-                "memory": 8 * trials * robots * sizes.words,
-                "outbox": trials * sizes.slots * robots * sizes.message,
+                "memory": 8 * trials * robots * sizes.words, "outbox": trials * sizes.slots * robots * sizes.message,
                 "signals": trials * sizes.slots * robots if features.signalled else 0,
                 "parts": 3 * trials * blocks * sizes.message if features.mode == FULL else 0,
                 "around": 2 * trials * robots * sizes.message if features.mode == FULL else 0,
-            }
+            }  # fmt: skip
         places, size = _places(kept | work)
         self.room = card.room(size)
         self.driver.clear(self.room, places["rows"])  # what is found, and what is counted from 0
@@ -385,8 +384,14 @@ class _BatchOnCard:
         if not self.local:
             threads = min(-(-robots // 32) * 32, MOST_IN_A_BLOCK)
             if piece := self.given.piece:
-                self._launch_blocks("extremes", trials * (rounds + 1) * -(-robots // piece), threads, FOR_QUANTILES)
-            self._launch_blocks("agree", trials * (rounds // CHUNK + 1), threads, FOR_QUANTILES)
+                pieces = -(-robots // piece)
+                self._launch_blocks("extremes", trials * (rounds + 1) * pieces, threads, FOR_QUANTILES)
+                for n in reversed(range((rounds // CHUNK + 1) * DIGITS)):
+                    digit = {"chunk_at": n // DIGITS, "k": DIGITS - 1 - n % DIGITS}
+                    self._launch_blocks("tally", trials * CHUNK * pieces, threads, TALLIES, **digit)
+                    self._launch_blocks("choose", trials * CHUNK, 2 * THREADS, TALLIES)
+            else:
+                self._launch_blocks("agree", trials * (rounds // CHUNK + 1), threads, FOR_QUANTILES)
             if self.given.checkpoints:
                 self._launch_blocks("check", trials * self.given.checkpoints, threads, FOR_QUANTILES)
             if sizes.features.judged:

@@ -4,6 +4,7 @@ import logging
 import threading
 import time
 import warnings
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -41,10 +42,7 @@ def card(monkeypatch):
 
 @pytest.fixture
 def no_card(monkeypatch):
-    def fails():
-        raise CardError("this machine has no NVIDIA card")
-
-    monkeypatch.setattr(devices, "the_card", fails)
+    monkeypatch.setattr(devices, "the_card", Mock(side_effect=CardError("this machine has no NVIDIA card")))
 
 
 def ring(**more):
