@@ -17,6 +17,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.pair_tests import ContestInput, contests
 from swarmcensus.brains import parse
+from swarmcensus.runs import Hardware
 from swarmcensus.search.planning.simulating import Case, curves, study_of
 from swarmcensus.search.tuning import generations
 from swarmcensus.search.tuning.logs import Log
@@ -323,7 +324,7 @@ def again(mission, row, trials, jobs):
     def shares(robots, minutes):
         times = [max(1, round(one / mission.round_minutes)) for one in minutes]
         study = study_of(mission, robots, [brain], [case], sorted(set(times)), trials, mission.study.seed + OTHER)
-        [curve] = curves(mission, study, jobs, lambda _: None)
+        [curve] = curves(mission, study, Hardware(jobs), lambda _: None)
         return [curve.at(curve.rounds.index(one)) for one in times]
 
     if row.robots_low is None:
@@ -477,7 +478,9 @@ def known(seed, robots=5, rounds=1):
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget, trials)
     with Log(None, plan) as log:
-        return generations.run_search(plan, generations.new_search(plan), log, Training(plan, jobs), lambda _: None)
+        return generations.run_search(
+            plan, generations.new_search(plan), log, Training(plan, Hardware(jobs)), lambda _: None
+        )
 
 
 @harness.question
@@ -524,7 +527,7 @@ def flat(studies=20, quick=False):
                 asked = ["explore=1:1000", "listen=1:1000"]
                 plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget, 10)
                 with Log(None, plan) as log:
-                    new, training = generations.new_search(plan), Training(plan, 1)
+                    new, training = generations.new_search(plan), Training(plan, Hardware(1))
                     ended = generations.run_search(plan, new, log, training, lambda _: None)
                 data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.candidate(ended.values)}), jobs=1)
                 right.append(float(data["consensus_right"].mean()))

@@ -16,7 +16,7 @@ import harness
 import numpy as np
 
 from swarmcensus import Study
-from swarmcensus.runs import pools, running, tasks
+from swarmcensus.runs import Hardware, pools, running, tasks
 from swarmcensus.runs.clusters import BUNDLES_PER_SECOND, BUNDLES_PER_WORKER, LONGEST, SHORTEST, Workers, workers
 from swarmcensus.runs.pools import Threads
 from swarmcensus.runs.running import run
@@ -271,7 +271,7 @@ def scaling(quick=False):
     table = harness.table("a bundle with nothing in it, ms", "", "many at a time", "one after the other")
     with ThreadPoolExecutor(2) as executor:
         threads = overheads(Threads(executor, 2, study, study.settings()), empty)
-    with processes(2) as cluster, workers(cluster.scheduler_address, study) as pool:
+    with processes(2) as cluster, workers(Hardware(cluster=cluster.scheduler_address), study) as pool:
         assert isinstance(pool, Workers)
         dispatch, trip = overheads(pool, empty)
     for label, (many, single) in {"threads": threads, "two processes": (dispatch, trip)}.items():

@@ -18,8 +18,7 @@ FLAGS = ("-std=c++17", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-w")
 
 class Memory:
     def __init__(self, array):
-        self.array = array
-        self.address = array.ctypes.data
+        self.array, self.size, self.address = array, array.nbytes, array.ctypes.data
 
 
 class Emulator:
@@ -33,6 +32,9 @@ class Emulator:
 
     def free(self):
         return self.memory
+
+    def compile(self, sources):
+        self.compiled = {*sources}
 
     def build(self, source):
         digest = hashlib.sha256("\0".join((*FLAGS, source)).encode()).hexdigest()[:32]

@@ -4,6 +4,7 @@ import glob
 import importlib
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -210,3 +211,15 @@ Fresh = Annotated[bool, Parameter(help="start over instead of continuing what --
 Port = Annotated[int | None, takes(port, "PORT", "port of the page (default: a free one)")]
 NoBrowser = Annotated[bool, Parameter(help="only print the address of the page")]
 Host = Annotated[str, Parameter(metavar="ADDRESS", help="address to listen on (default: this machine only)")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Hardware:
+    """The options that say what runs trials."""
+
+    jobs: Jobs = None
+    device: Device = "cpu"
+
+
+USUAL = Hardware()

@@ -3,8 +3,9 @@
 import hashlib
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ THREADS = 128  # of a block that runs several small trials, or robots or rows on
 BLOCK_SIZE = 256  # robots of a block of a large swarm, whose messages are added up together (kernels/sums.h)
 SHARED = 227 * 1024  # bytes of shared memory that a block may take, where the card has them (Hopper)
 FOR_QUANTILES = 1120  # bytes of it
+DIGITS, TALLIES = 8, 4096  # of a key, and bytes of the tallies of one digit, to find quantiles of wide rows
 PIECE = 1 << 14  # robots of a row of which one block finds the extremes
 ALIGNED = 256  # bytes
 FAILED = "brain_failed"  # a variable of programs: whether Python would have raised an error
@@ -39,7 +41,8 @@ MOST_BLOCKS = 1 << 30  # of a launch
 MOST_COMPARED = 1000  # robots of a trial by which a program is compared with the CPU
 LAUNCHES = 64  # rounds of a large swarm between two looks at whether to stop
 
-MEASURES = ("tables", "settle", "extremes", "agree", "check", "decide")  # kernels that know of no brain
+# kernels that know of no brain
+MEASURES = ("tables", "settle", "extremes", "tally", "choose", "agree", "check", "decide")
 
 
 def why_not(setting: Setting, metrics: Metrics) -> str | None:
@@ -84,9 +87,9 @@ class Sizes(NamedTuple):
         """Bytes of memory that a trial takes, at most."""
         robots = self.robots
         large = 0 if self.is_small else robots * (8 * self.words + self.slots * (self.message + 1) + 2 * self.message)
-        tables = robots * 16 * 8 * 2
         decisions = 2 * self.rounds * (robots + 1) if self.features.judged else 0
-        return (self.rounds + 1) * (8 * robots + 20) + large + tables + decisions + robots * 256
+        each = 8 * robots + 20 + 2 * TALLIES * (robots > PIECE)
+        return (self.rounds + 1) * each + large + decisions + robots * 512
 
 
 class Card:
@@ -97,16 +100,15 @@ class Card:
         self.driver = driver
         self.name = driver.name
         self._room: Buffer | None = None  # kept for the next batch: making room takes longer than a small batch
-        self._size = 0
         self._held: _BatchOnCard | None = None  # the last batch: if it was stopped, its kernels may still run
         self._lock = threading.Lock()  # one batch at a time
         self._checked = set[str]()  # programs that were compared with the CPU
 
     def room(self, size: int) -> Buffer:
         """Memory for so many bytes or more. Raises CardFull."""
-        if self._room is None or self._size < size:
+        if self._room is None or self._room.size < size:
             self._room = None  # is freed before there is more
-            self._room, self._size = self.driver.empty(size), size
+            self._room = self.driver.empty(size)
         return self._room
 
     def most_trials(self, setting: Setting, metrics: Metrics, local: bool = False) -> int:
@@ -120,7 +122,7 @@ class Card:
             bounded=_has_intervals(setting, local), changes=True,
         )  # fmt: skip
         sizes = self._sizes(setting, 1, features, local)
-        room = (self.driver.free() + self._size) * SPARE
+        room = (self.driver.free() + (self._room.size if self._room else 0)) * SPARE
         kept = 8 * len(metrics.checkpoints) * setting.robots * (3 if features.bounded else 1)
         most = int(room // (sizes.bytes + kept))
         if most < 1:
@@ -135,27 +137,24 @@ class Card:
         number = 4 if setting.precision == "single" else 8
         fields = max(len(slots(brain.lengths)) + len(slots(brain.message)) + 4 for brain in brains)
         return Sizes(
-            trials=trials,
-            robots=setting.robots,
-            rounds=setting.rounds * (setting.observations_per_round if local else 1),
+            trials, setting.robots, rounds=setting.rounds * (setting.observations_per_round if local else 1),
             slots=(0 if local else setting.message_delay) + 2,
-            message=number * len(message_numbers(brains[0], len(brains) > 1)),
-            words=fields + 8,
-            features=features,
-            seconds=seconds(setting, local),
-            most_shared=min(SHARED, self.driver.shared),
-        )
+            message=number * len(message_numbers(brains[0], len(brains) > 1)), words=fields + 8, features=features,
+            seconds=seconds(setting, local), most_shared=min(SHARED, self.driver.shared),
+        )  # fmt: skip
+
+    def compile_for(self, kinds: Iterable[tuple[Setting, bool]], seed: int) -> None:
+        """Compile together what batches of some settings run, each local or not. Raises InputError."""
+        # programs are for all parameters and fill ratios
+        few = {(replace(one, brain=one.brain.as_written, fill_ratio=0.5), local) for one, local in kinds}
+        of = ((one, local, features_of(*_smaller(one, seed, local), local)) for one, local in few)
+        sources = (_source(one, self._sizes(one, 1, features, local), local) for one, local, features in of)
+        self.driver.compile(chain([measures()], sources))
 
     def run_batch(
-        self,
-        setting: Setting,
-        seed: int,
-        first: int,
-        trials: int,
-        metrics: Metrics,
-        stop: np.ndarray,
+        self, setting: Setting, seed: int, first: int, trials: int, metrics: Metrics, stop: np.ndarray,
         local: bool = False,
-    ) -> Batch | None:
+    ) -> Batch | None:  # fmt: skip
         """Run trials as `simulation.run_batch` does; None if `stop` was set meanwhile.
 
         A trial in which a brain fails is run again by the CPU, which says why. Raises BrainError where that is one of
@@ -175,12 +174,7 @@ class Card:
         mark = hashlib.sha256(programs.encode()).hexdigest()
         if mark in self._checked or kept(mark):
             return
-        few, size = setting, min(setting.robots, MOST_COMPARED)
-        try:
-            few = replace(setting, robots=size) if size < setting.robots else setting
-            given = inputs_of(few, seed, 0, 1, order=local)
-        except (InputError, ValueError):  # a network of a file, or groups of robots, that need their number
-            few, given = setting, inputs_of(setting, seed, 0, 1, order=local)
+        few, given = _smaller(setting, seed, local)
         small = self._sizes(few, 1, sizes.features, local)._replace(in_rounds=not sizes.is_small)
         try:
             ours = run_batch(few, seed, 0, 1, metrics, stop, local)
@@ -205,7 +199,6 @@ class Card:
                 if self._room is None:
                     raise
                 self._held = self._room = None
-                self._size = 0
                 held = self._held = _BatchOnCard(self, given, sizes, setting, metrics, local)
             found = held.run(stop)
         if found is None:
@@ -218,19 +211,25 @@ class Card:
         return batch_of(setting, given, sizes.features, metrics, found, held.bounds, local)
 
 
+def _smaller(setting: Setting, seed: int, local: bool) -> tuple[Setting, Inputs]:
+    """A setting with fewer robots, if it can have them, and a trial of it. Raises InputError."""
+    try:
+        few = replace(setting, robots=min(setting.robots, MOST_COMPARED))
+        return few, inputs_of(few, seed, 0, 1, order=local)
+    except (InputError, ValueError):  # a network of a file, or groups of robots, that need their number
+        return setting, inputs_of(setting, seed, 0, 1, order=local)
+
+
 def features_of(setting: Setting, given: Inputs, local: bool = False) -> Features:
     """What the rounds of a setting have."""
     brains, sensors = setting.brains, given.sensors
     return Features(
         mode=LISTED if local else given.links.mode,
-        sound=given.radio.threshold == 0 and given.stops.shape[2] == 0,
-        jams=any(brain.jams for brain in brains),
-        signalled=len(brains) > 1 or brains[0].uses.silence or brains[0].jams,
-        lucky=given.draws.size > 0,
-        judged=_has_verdicts(setting, local),
-        bounded=_has_intervals(setting, local),
+        sound=given.radio.threshold == 0 and given.stops.shape[2] == 0, jams=any(brain.jams for brain in brains),
+        signalled=len(brains) > 1 or brains[0].uses.silence or brains[0].jams, lucky=given.draws.size > 0,
+        judged=_has_verdicts(setting, local), bounded=_has_intervals(setting, local),
         changes=sensors.drift.shape[2] > 0 or sensors.course[3] > 1.0,
-    )
+    )  # fmt: skip
 
 
 def _has_verdicts(setting: Setting, local: bool) -> bool:
@@ -327,26 +326,24 @@ class _BatchOnCard:
             shapes |= {"verdicts": (*each, 6), "unanimous": (trials, rounds)} if features.judged else {}
             shapes |= {"bounds_of": (checks, trials, 2, robots)} if features.bounded else {}
         shapes |= {"clipped": each} if self.formats else {}
-        sensors, kinds = self.given.sensors, self.given.kinds
+        sensors, kinds, wide = self.given.sensors, self.given.kinds, bool(self.given.piece) * trials * (rounds + 1)
         types = {name: np.dtype(ARRAYS[name].removesuffix("_t")) for name in shapes}
         kept = {name: types[name].itemsize * math.prod(shape) for name, shape in shapes.items()}
         work = {
             "said": 4 * trials * (rounds + 1) if features.counted and features.mode == FULL else 0,
-            "extremes": 16 * trials * (rounds + 1) if self.given.piece else 0,
-            "rows": 8 * trials * (rounds + 1) * robots,
-            "tables": 8 * 16 * trials * kinds * sensors,
-            "stand": 8 * 3 * trials * sensors,
+            "extremes": 16 * wide, "tallies": TALLIES * wide,
+            "rows": 8 * trials * (rounds + 1) * robots, "tables": 8 * 16 * trials * kinds * sensors,
+            "stand": 8 * 3 * trials * sensors, "sought": 64 * wide, "widths": 8 * wide,
             "decisions": 2 * trials * rounds * robots if features.judged else 0,
-        }
+        }  # fmt: skip
         if not self.local and not sizes.is_small:
             blocks = -(-robots // BLOCK_SIZE)
             work |= {
-                "memory": 8 * trials * robots * sizes.words,
-                "outbox": trials * sizes.slots * robots * sizes.message,
+                "memory": 8 * trials * robots * sizes.words, "outbox": trials * sizes.slots * robots * sizes.message,
                 "signals": trials * sizes.slots * robots if features.signalled else 0,
                 "parts": 3 * trials * blocks * sizes.message if features.mode == FULL else 0,
                 "around": 2 * trials * robots * sizes.message if features.mode == FULL else 0,
-            }
+            }  # fmt: skip
         places, size = _places(kept | work)
         self.room = card.room(size)
         self.driver.clear(self.room, places["rows"])  # what is found, and what is counted from 0
@@ -387,8 +384,14 @@ class _BatchOnCard:
         if not self.local:
             threads = min(-(-robots // 32) * 32, MOST_IN_A_BLOCK)
             if piece := self.given.piece:
-                self._launch_blocks("extremes", trials * (rounds + 1) * -(-robots // piece), threads, FOR_QUANTILES)
-            self._launch_blocks("agree", trials * (rounds // CHUNK + 1), threads, FOR_QUANTILES)
+                pieces = -(-robots // piece)
+                self._launch_blocks("extremes", trials * (rounds + 1) * pieces, threads, FOR_QUANTILES)
+                for n in reversed(range((rounds // CHUNK + 1) * DIGITS)):
+                    digit = {"chunk_at": n // DIGITS, "k": DIGITS - 1 - n % DIGITS}
+                    self._launch_blocks("tally", trials * CHUNK * pieces, threads, TALLIES, **digit)
+                    self._launch_blocks("choose", trials * CHUNK, 2 * THREADS, TALLIES)
+            else:
+                self._launch_blocks("agree", trials * (rounds // CHUNK + 1), threads, FOR_QUANTILES)
             if self.given.checkpoints:
                 self._launch_blocks("check", trials * self.given.checkpoints, threads, FOR_QUANTILES)
             if sizes.features.judged:

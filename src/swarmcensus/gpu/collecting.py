@@ -58,14 +58,9 @@ def _robots_to_ask(setting: Setting, given: Inputs) -> np.ndarray:
 
 
 def batch_of(
-    setting: Setting,
-    given: Inputs,
-    features: Features,
-    metrics: Metrics,
-    found: Arrays,
-    bounds: np.ndarray,
+    setting: Setting, given: Inputs, features: Features, metrics: Metrics, found: Arrays, bounds: np.ndarray,
     local: bool,
-) -> Batch:
+) -> Batch:  # fmt: skip
     """The metrics of a batch, as `simulation.run_batch` gives them; `bounds` are those of links, see `bounds_of`."""
     trials, robots, rounds = len(given.stops), setting.robots, setting.rounds
     if local:

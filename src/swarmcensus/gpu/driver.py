@@ -13,13 +13,16 @@ import re
 import sys
 import threading
 import time
+from collections.abc import Iterable
+from concurrent.futures import Future
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from swarmcensus.engine import cache_root
+from swarmcensus.engine import LeavableThreads, cache_root
+from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 
@@ -62,7 +65,7 @@ class Buffer:
 
     def __init__(self, cuda: "Cuda", size: int) -> None:
         """Allocate so many bytes. Raises CardError."""
-        self.cuda, self.address = cuda, int(cuda.call("cuMemAlloc", max(size, 1)))
+        self.cuda, self.size, self.address = cuda, size, int(cuda.call("cuMemAlloc", max(size, 1)))
 
     def __del__(self) -> None:
         """Free it."""
@@ -77,7 +80,8 @@ class Cuda:
     def __init__(self, driver: ModuleType, nvrtc: ModuleType) -> None:
         """Open the card. Raises CardError."""
         self._driver, self._nvrtc = driver, nvrtc
-        self._context, self._modules, self._lock = None, dict[str, Program](), threading.Lock()
+        self._context, self._lock = None, threading.Lock()
+        self._codes, self._modules = dict[str, bytes](), dict[str, Program]()
         try:
             self.call("cuInit", 0)
             number = self.call("cuDriverGetVersion")
@@ -119,16 +123,29 @@ class Cuda:
         """The bytes of memory that are free now."""
         return int(self.call("cuMemGetInfo")[0])
 
+    def compile(self, sources: Iterable[str]) -> None:
+        """Compile CUDA C++ for `build`, several at a time: NVRTC lets other threads run. Raises CardError."""
+        begun = dict[str, Future[bytes]]()
+        with LeavableThreads(cores()) as team:
+            for source in sources:  # some take long to write
+                begun[source] = begun.get(source) or team.submit(self._code_of, source)
+            self._codes |= {source: future.result() for source, future in begun.items()}
+
     def build(self, source: str) -> Program:
-        """Compile CUDA C++, or find it in the cache on disk."""
-        digest = hashlib.sha256(f"{self._mark}\0{source}".encode()).hexdigest()
+        """Load what was compiled of CUDA C++, or compile it."""
         with self._lock:
-            if digest not in self._modules:
-                if (code := kept(digest)) is None:
-                    code = compiled(self._nvrtc, source, self.target)
-                    keep(digest, code)
-                self._modules[digest] = Program(self.call("cuModuleLoadData", code))
-            return self._modules[digest]
+            if source not in self._modules:
+                code = self._codes.pop(source, None) or self._code_of(source)
+                self._modules[source] = Program(self.call("cuModuleLoadData", code))
+            return self._modules[source]
+
+    def _code_of(self, source: str) -> bytes:
+        """The machine code, from the cache on disk if it is there."""
+        digest = hashlib.sha256(f"{self._mark}\0{source}".encode()).hexdigest()
+        if (code := kept(digest)) is None:
+            code = compiled(self._nvrtc, source, self.target)
+            keep(digest, code)
+        return code
 
     def set_global(self, program: Program, name: str, values: bytes) -> None:
         """Give a variable of a program its bytes, for the launches that follow."""

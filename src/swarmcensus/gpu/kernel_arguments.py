@@ -7,7 +7,7 @@ from collections.abc import Mapping
 KEYS = {"readings_key": 2, "losses_key": 2, "order_key": 2, "luck_key": 4}
 WHOLE = """
 first trials robots rounds looks delay together sensors kinds beliefs drifts stop_rows graphs liars checkpoints keeps
-chunk piece tables_made k
+chunk chunk_at piece tables_made k
 """.split()  # noqa: SIM905 - read more easily than a list
 REAL = {"course": 4, "delta": 1}
 ARRAYS = {  # by name: the type of an item
@@ -15,8 +15,8 @@ ARRAYS = {  # by name: the type of an item
     "stops": "int64_t", "bounds": "int64_t", "senders": "uint32_t", "groups": "uint8_t", "honest": "uint8_t",
     "counted": "int64_t", "rounds_of": "int64_t", "bins": "double", "stand": "double", "tables": "uint64_t",
     "memory": "uint64_t", "outbox": "number", "signals": "uint8_t", "parts": "number", "around": "number",
-    "rows": "double", "extremes": "uint64_t", "said": "uint32_t", "decisions": "int16_t", "amiss": "uint8_t",
-    "clipped": "int64_t",
+    "rows": "double", "extremes": "uint64_t", "tallies": "uint32_t", "sought": "uint64_t", "widths": "double",
+    "said": "uint32_t", "decisions": "int16_t", "amiss": "uint8_t", "clipped": "int64_t",
     "sent": "int64_t", "heard": "int64_t", "verdicts": "double", "bounds_of": "double", "where": "int64_t",
     "value": "double", "final": "double", "agreed": "int64_t", "correct": "double", "disagreement": "double",
     "kept": "double", "unanimous": "int16_t",

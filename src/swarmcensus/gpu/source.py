@@ -35,7 +35,7 @@ class Features(NamedTuple):
         return self.signalled or not self.sound or self.mode == PAIRS
 
 
-@functools.lru_cache(maxsize=64)
+@functools.lru_cache(maxsize=1024)
 def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads: int) -> str:
     """The program with the kernels of a file, for blocks of so many threads; brains may have any parameters.
 

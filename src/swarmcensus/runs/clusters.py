@@ -23,12 +23,11 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
-from swarmcensus.runs.devices import Device, open_card
+from swarmcensus.runs.devices import Device, Hardware, open_card
 from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import PluginFile
 from swarmcensus.support.version import __version__
 
@@ -161,16 +160,10 @@ def read_payload(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
     return study, study.settings()
 
 
-def check(where: str) -> None:
-    """Raise InputError unless this is an address."""
-    if "://" not in where:
-        raise wrong_option("cluster", where, "should be the address of a Dask scheduler, as tcp://host:8786")
-
-
 @contextlib.contextmanager
-def workers(where: str, study: Study, device: Device = "cpu") -> Iterator[Workers]:
-    """Workers of the scheduler at an address. Raises InputError."""
-    check(where)
+def workers(hardware: Hardware, study: Study) -> Iterator[Workers]:
+    """Workers of the scheduler of a cluster. Raises InputError."""
+    where = hardware.cluster
     try:
         import distributed
     except ImportError:
@@ -186,7 +179,7 @@ def workers(where: str, study: Study, device: Device = "cpu") -> Iterator[Worker
             silent = f"no Dask scheduler answers at {where}: {error}"
             raise InputError(silent, key="cluster", value=where) from None
         stack.enter_context(client)
-        pool = Workers(client, study, device)
+        pool = Workers(client, study, hardware.device)
         try:
             yield pool
         finally:

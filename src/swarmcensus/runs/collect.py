@@ -1,7 +1,7 @@
 """Submits bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 
@@ -12,7 +12,7 @@ from swarmcensus.results import Values
 from swarmcensus.runs.devices import WhereToRun
 from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.resuming import HeldOutput
-from swarmcensus.runs.tasks import Bundle, Failure, Outcome
+from swarmcensus.runs.tasks import Bundle, Failure, Outcome, Task, bundle_tasks
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 
@@ -61,8 +61,10 @@ class State:
         self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, part=self.part))
 
 
-def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
-    """Run bundles to their end. Returns whether Ctrl-C was pressed before."""
+def run_bundles(state: State, tasks: list[Task], seconds: float, pool: Pool) -> bool:
+    """Run tasks in bundles of about `seconds` to their end. Returns whether Ctrl-C was pressed before."""
+    rest = bundle_tasks(tasks, seconds)
+    pool.prepare(tasks)
     waiting: dict[Future[Outcome], Bundle] = {}
     try:
         while True:

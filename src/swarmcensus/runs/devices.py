@@ -1,4 +1,4 @@
-"""Which settings of a study run on a graphics card, and which on the CPU: the one place where that is chosen."""
+"""What runs a study, and which of its settings a graphics card runs: the one place where that is chosen."""
 
 import functools
 import logging
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.studies import Setting, Study
+from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
@@ -22,17 +23,54 @@ if TYPE_CHECKING:
 
 Device = Literal["cpu", "gpu", "auto"]
 DEVICES: tuple[Device, ...] = get_args(Device)
+MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 UNKNOWN = 2**31  # trials that fit the card of a worker
 LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
+class Hardware:
+    """What runs studies: so many threads, by default one per core, or the workers of a cluster; and their cards."""
+
+    jobs: int | None = None
+    device: Device = "cpu"
+    cluster: str | None = None  # the address of a Dask scheduler
+
+    def __post_init__(self) -> None:
+        """Raise InputError for a wrong number, address or device, or if this machine should have a card."""
+        most = max(MOST_JOBS, cores())
+        if not 1 <= self.threads <= most:
+            should = f"should be 1 to {most:,} threads; more threads than cores ({cores()}) are not faster"
+            raise wrong_option("jobs", self.jobs, should)
+        if self.cluster is not None and "://" not in self.cluster:
+            should = "should be the address of a Dask scheduler, as tcp://host:8786"
+            raise wrong_option("cluster", self.cluster, should)
+        if self.device not in DEVICES:
+            hint = did_you_mean(str(self.device), DEVICES)
+            raise wrong_option("device", self.device, f"{hint}should be {', '.join(DEVICES[:-1])} or {DEVICES[-1]}")
+        if self.device == "gpu" and self.cluster is None:
+            from swarmcensus.gpu import CardError
+
+            try:
+                open_card(self.device)
+            except CardError as error:
+                why = f"{option('device', self.device)}: {error}"
+                raise CardError(why, key="device", value=self.device) from None
+
+    @property
+    def threads(self) -> int:
+        """How many threads of this process run trials."""
+        return cores() if self.jobs is None else self.jobs
+
+
+@dataclass(frozen=True)
 class WhereToRun:
-    """The card of this process, if it runs anything, and how many trials of each setting it may run at a time.
+    """What runs a study: a card, if it has work, runs up to `room` trials of a setting at a time, the CPU the others.
 
     `room` is (setting,), and 0 for settings that run on the CPU. On a cluster the cards are those of its workers.
     """
 
+    hardware: Hardware
     card: "Card | None"
     room: NDArray[np.int64]
 
@@ -53,48 +91,34 @@ class WhereToRun:
         return [setting for setting, on_card in zip(settings, self.on_card, strict=True) if not on_card]
 
 
-def check_device(device: str, cluster: bool = False) -> None:
-    """Raise InputError if there is no such device, or none in this machine."""
-    if device not in DEVICES:
-        hint = did_you_mean(str(device), DEVICES)
-        raise wrong_option("device", device, f"{hint}should be {', '.join(DEVICES[:-1])} or {DEVICES[-1]}")
-    if device == "gpu" and not cluster:
-        from swarmcensus.gpu import CardError
-
-        try:
-            open_card(device)
-        except CardError as error:
-            why = f"{option('device', device)}: {error}"
-            raise CardError(why, key="device", value=device) from None
-
-
 def placing_of(
+    hardware: Hardware,
     study: Study,
     settings: Sequence[Setting],
-    trials: NDArray[np.int64],
-    device: Device,
+    trials: NDArray[np.int64] | int,
     *,
-    local: bool = False,
-    cluster: bool = False,
+    local: bool | None = None,
     quiet: bool = False,
 ) -> WhereToRun:
     """Choose where so many `trials` of each setting run, and say in a line what a card cannot run, unless `quiet`.
 
-    A cluster's workers open cards of their own. Raises InputError.
+    They have local estimates if `local`, by default as the study says. A cluster's workers open cards of their own.
+    Raises InputError.
     """
-    check_device(device, cluster)
-    all_on_cpu = WhereToRun(None, np.zeros(len(settings), np.int64))
+    device, here = hardware.device, hardware.cluster is None
+    all_on_cpu = WhereToRun(hardware, None, np.zeros(len(settings), np.int64))
     if device == "cpu":
         return all_on_cpu
     from swarmcensus.gpu import check_brains, pays_off, why_not
 
-    metrics = metrics_of(study)
-    card = open_card(device) if device == "gpu" and not cluster else None
+    metrics, trials = metrics_of(study), np.broadcast_to(trials, len(settings))
+    ways = {False, study.measure.local if local is None else local}
+    card = open_card(device) if device == "gpu" and here else None
     reasons = [why_not(setting, metrics) for setting in settings]
     if device == "auto":
         able = [pair for pair, why in zip(zip(settings, trials.tolist(), strict=True), reasons, strict=True) if not why]
-        card = open_card(device) if pays_off(able) and not cluster else None
-        if not pays_off(able) or (card is None and not cluster):
+        card = open_card(device) if pays_off(able) and here else None
+        if not pays_off(able) or (card is None and here):
             if not quiet:
                 why = "there is no card" if pays_off(able) else "too short for a card to be worth its start"
                 LOG.info("%s: runs on the CPU: %s", study.name, why)
@@ -106,7 +130,7 @@ def placing_of(
         try:
             check_brains(settings[number].brains)
             if card is not None:
-                room[number] = min(card.most_trials(settings[number], metrics, way) for way in {False, local})
+                room[number] = min(card.most_trials(settings[number], metrics, way) for way in ways)
         except InputError as error:
             if device == "gpu":
                 raise
@@ -116,15 +140,7 @@ def placing_of(
         why = next(iter(refused)) if len(refused) == 1 else ", ".join(f"{w} ({n:,})" for w, n in refused.items())
         of = counted(int((trials > 0).sum()), "setting")
         LOG.info("%s: %s of %s run on the CPU: %s", study.name, f"{refused.total():,}", of, why)
-    return WhereToRun(card, room)
-
-
-def placing_of_study(study: Study, device: Device, quiet: bool = True) -> WhereToRun:
-    """Choose where all trials of a study run. Raises InputError."""
-    settings = study.settings()
-    return placing_of(
-        study, settings, np.full(len(settings), study.trials), device, local=study.measure.local, quiet=quiet
-    )
+    return WhereToRun(hardware, card, room)
 
 
 def open_card(device: Device) -> "Card | None":

@@ -18,16 +18,13 @@ from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler,
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, ThreadBudget, metrics_of, run_bundle
 from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
-from swarmcensus.support.cores import cores
 from swarmcensus.support.fork import in_background
-from swarmcensus.support.options import wrong_option
 from swarmcensus.worlds import Topology
 
 if TYPE_CHECKING:
     from swarmcensus.gpu import Card
 
 BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
-MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
 _MAKING_NATIVE: list[Callable[[], None]] = []  # the copy of this process that does so, and ends with it
 
@@ -54,6 +51,9 @@ class Pool(ABC):
     @abstractmethod
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start running a bundle."""
+
+    def prepare(self, tasks: Iterable[Task]) -> None:  # noqa: B027 - workers compile for themselves
+        """Compile what tasks need before they run."""
 
     def so_far(self, future: Future[Outcome]) -> Outcome:
         """What is known of a bundle that is given up while it runs: nothing where it is sent whole."""
@@ -96,6 +96,13 @@ class Threads(Pool):
         """How many bundles should be submitted at a time: those for the card keep no thread waiting."""
         return 4 * self.threads.jobs + len(self._on_card)
 
+    def prepare(self, tasks: Iterable[Task]) -> None:
+        """Have a card compile what its tasks need; what fails there fails again where it runs, and is said."""
+        settings, seed = self.common
+        kinds = {(settings[task.settings[0]], task.kind == "local") for task in tasks if task.on_card}
+        if kinds and self.card and self.feeder:
+            self.feeder.submit(self.card.compile_for, kinds, seed)
+
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
@@ -116,17 +123,6 @@ class Threads(Pool):
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
         self.stop[0] = 1
-
-
-def thread_count(jobs: int | None) -> int:
-    """Check the number of threads, by default one per core. Raises InputError if it is below 1 or too large."""
-    known = cores()
-    most = max(MOST_JOBS, known)
-    jobs = known if jobs is None else jobs
-    if not 1 <= jobs <= most:
-        should = f"should be 1 to {most:,} threads; more threads than cores ({known}) are not faster"
-        raise wrong_option("jobs", jobs, should)
-    return jobs
 
 
 def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str], None]) -> None:

@@ -16,10 +16,10 @@ from swarmcensus.engine import LeavableThreads
 from swarmcensus.results import ArrayStore, Values, outline, readable, store
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
-from swarmcensus.runs.devices import Device, WhereToRun, placing_of
+from swarmcensus.runs.devices import Device, Hardware, WhereToRun, placing_of
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
-from swarmcensus.runs.tasks import Failure, bundle_tasks, plan_tasks
+from swarmcensus.runs.tasks import Failure, plan_tasks
 from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
 from swarmcensus.summaries import cautions_of_fill_ratios, cautions_of_trials
@@ -60,23 +60,16 @@ def run(
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.check_trials()
-    jobs = pools.thread_count(jobs)
+    hardware = Hardware(jobs, device, cluster)
     if share is not None:
         _check_share(study, share)
-    if cluster is not None:
-        from swarmcensus.runs.clusters import check
-
-        check(cluster)
     settings = study.settings()
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     if cautions:
         warn_of_needs(settings, study.measure.bins)
         warn_of_connections(settings, study.seed, study.trials)
         _warn(cautions_of_fill_ratios(settings, study.measure))
-    placing = placing_of(
-        study, settings, np.full(len(settings), study.trials), device,
-        local=study.measure.local, cluster=cluster is not None, quiet=not cautions,
-    )  # fmt: skip
+    placing = placing_of(hardware, study, settings, study.trials, quiet=not cautions)
     first = next(study.stages())
     with contextlib.ExitStack() as stack:
         report, output, arrays = stack.enter_context(showing(progress, study.name)), None, ArrayStore()
@@ -97,7 +90,7 @@ def run(
             state.output.announce(known, total, 0.0)  # for `status`, while brains compile or workers start
             state.output.parts.sketch = partial(_save_without_trials, study, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
-        pool = stack.enter_context(_pool(state, jobs, cluster, device))
+        pool = stack.enter_context(_pool(state))
         try:
             interrupted = _run_stages(state, pool)
         except KeyboardInterrupt:  # between two stages
@@ -155,20 +148,18 @@ def recompute(
     wanted: NDArray[np.bool_],
     local: bool,
     placing: WhereToRun,
-    jobs: int | None = None,
     progress: Report = lambda _: None,
 ) -> tuple[Values, list[Failure]]:
     """Run the trials of some settings that are `wanted`, (setting, trial); trials that fail stay missing.
 
     Returns the values, and what failed.
     """
-    jobs = pools.thread_count(jobs)
     values = Values([study], settings, wanted.shape[1], local)
     state = State(study, settings, values, progress, None, np.zeros(0), slice(None), placing)
     tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.room)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
-    with _pool(state, jobs, None, "cpu") as pool:
-        if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
+    with _pool(state) as pool:
+        if run_bundles(state, tasks, pools.BUNDLE_SECONDS, pool):
             raise KeyboardInterrupt
     return values, state.failures
 
@@ -200,17 +191,17 @@ def _check_share(study: Study, share: tuple[int, int]) -> None:
 
 
 @contextlib.contextmanager
-def _pool(state: State, jobs: int, cluster: str | None, device: Device) -> Iterator[pools.Pool]:
-    on_cpu = state.placing.on_cpu(state.settings)
-    if cluster is not None and not _is_complete(state):
+def _pool(state: State) -> Iterator[pools.Pool]:
+    hardware, card = state.placing.hardware, state.placing.card
+    if hardware.cluster is not None and not _is_complete(state):
         from swarmcensus.runs.clusters import workers
 
-        with workers(cluster, state.study, device) as pool:
+        with workers(hardware, state.study) as pool:
             yield pool
         return
     if not _is_complete(state):
-        pools.compile_for([(state.study, on_cpu)], state.show)
-    card = state.placing.card
+        pools.compile_for([(state.study, state.placing.on_cpu(state.settings))], state.show)
+    jobs = hardware.threads
     with LeavableThreads(jobs) as executor, LeavableThreads(1 if card else 0) as feeder:
         threads = pools.Threads(executor, jobs, state.study, state.settings, card, feeder)
         try:
@@ -251,7 +242,7 @@ def _run_stages(state: State, pool: pools.Pool) -> bool:
         state.part = "this stage" if trials < state.study.trials else ""
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
-        if tasks and run_bundles(state, bundle_tasks(tasks, bundle_seconds), pool):
+        if tasks and run_bundles(state, tasks, bundle_seconds, pool):
             return True
         if state.study.until is not None:
             unsettled[[f.setting for f in state.failures]] = False

@@ -39,7 +39,7 @@ from swarmcensus.results import (
     studies_of,
 )
 from swarmcensus.runs.collect import Report
-from swarmcensus.runs.devices import Device, placing_of
+from swarmcensus.runs.devices import Device, Hardware, placing_of
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import Setting, Study
@@ -176,7 +176,7 @@ def verify(
     wanted = np.zeros_like(tried)
     wanted[chosen[:, 0], chosen[:, 1]] = True
     with showing(progress, "verify") as report:
-        close, lacking = _run_again(again, stored, studies, wanted, jobs, report, device)
+        close, lacking = _run_again(again, stored, studies, wanted, Hardware(jobs, device), report)
     # trials that never ran left nothing
     found, excused = _differences_of_trials(stored, again, wanted | ~tried, close, float(data.attrs["delta"]))
     of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
@@ -266,9 +266,8 @@ def _run_again(
     stored: xr.Dataset,
     studies: Sequence[Study],
     wanted: NDArray[np.bool_],
-    jobs: int | None,
+    hardware: Hardware,
     progress: Report,
-    device: Device,
 ) -> tuple[NDArray[np.float64], int]:
     """Run trials that are `wanted`, (setting, trial), and put their values into `again`.
 
@@ -284,8 +283,8 @@ def _run_again(
         if not rows.size:
             continue
         chosen, columns, local = [settings[marks[k]] for k in rows], wanted[rows, : study.trials], study.measure.local
-        placing = placing_of(study, chosen, columns.sum(axis=1), device, local=local)
-        values, _ = recompute(study, chosen, columns, local, placing, jobs, progress)
+        placing = placing_of(hardware, study, chosen, columns.sum(axis=1))
+        values, _ = recompute(study, chosen, columns, local, placing, progress)
         close[rows] = _closeness(stored, chosen, placing.on_card)
         made = dataset([study], chosen, [marks[k] for k in rows], values)
         at = positions(again, made, rows)

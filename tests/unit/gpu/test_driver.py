@@ -5,6 +5,7 @@ import gc
 import sys
 import threading
 from types import ModuleType, SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -236,20 +237,24 @@ def test_machine_code_is_compiled_once_and_damaged_files_again(card):
     assert len([*cache_root().glob("*.cubin")]) == 2
 
 
+def test_programs_are_compiled_together_and_loaded_by_the_thread_that_runs_them(card, monkeypatch):
+    opened, both = open_driver(), threading.Barrier(2)
+    monkeypatch.setattr(driver, "cores", lambda: 2)
+    monkeypatch.setattr(opened._nvrtc, "nvrtcCompileProgram", lambda *_: (0 * both.wait(9),))
+    opened.compile(["one", "two"])
+    assert "cuModuleLoadData" not in card.called
+    assert [opened.build(name).handle for name in ("one", "two")] == [b"code of one", b"code of two"]
+
+
 def test_a_cache_that_cannot_be_written_is_done_without(card, monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "file" / "cache"))
     assert open_driver().build("one").handle == b"code of one"
 
 
-def no_library(name):
-    raise OSError(name)
-
-
-@pytest.mark.parametrize(
-    ("library", "why"),
-    [(str, r"NVRTC: pip install 'swarmcensus\[gpu\]'"), (no_library, "NVIDIA's driver is not installed")],
-)
+@pytest.mark.parametrize(("library", "why"), [
+    (str, r"NVRTC: pip install 'swarmcensus\[gpu\]'"), (Mock(side_effect=OSError), "NVIDIA's driver is not installed"),
+])  # fmt: skip
 def test_without_the_extra_its_name_is_said_where_there_is_a_driver(monkeypatch, library, why):
     for name in ("cuda.bindings", "cuda.bindings.driver", "cuda.bindings.nvrtc"):  # another test may have loaded them
         monkeypatch.setitem(sys.modules, name, None)
@@ -258,31 +263,22 @@ def test_without_the_extra_its_name_is_said_where_there_is_a_driver(monkeypatch,
         open_driver()
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("cuInit", "NVIDIA's driver is not installed: this machine has no card"),
-        ("nvrtcVersion", r"NVRTC cannot be loaded: pip install 'swarmcensus\[gpu\]'"),
-    ],
-)
+@pytest.mark.parametrize(("name", "said"), [
+    ("cuInit", "NVIDIA's driver is not installed: this machine has no card"),
+    ("nvrtcVersion", r"NVRTC cannot be loaded: pip install 'swarmcensus\[gpu\]'"),
+])  # fmt: skip
 def test_libraries_that_cannot_be_loaded(name, said, card, monkeypatch):
-    def fails(*_):
-        raise RuntimeError(f"no library of {name} was found")
-
     module = sys.modules["cuda.bindings.driver" if name == "cuInit" else "cuda.bindings.nvrtc"]
-    monkeypatch.setattr(module, name, fails)
+    monkeypatch.setattr(module, name, Mock(side_effect=RuntimeError(f"no library of {name} was found")))
     with pytest.raises(CardError, match=said):
         open_driver()
 
 
-@pytest.mark.parametrize(
-    ("state", "said"),
-    [
-        ({"fails": {"cuInit": 100}}, "this machine has no NVIDIA card, or CUDA_VISIBLE_DEVICES hides it"),
-        ({"version": 12040}, r"driver of this card is for CUDA 12.4, and the compiler for CUDA 13: update.*\[gpu12\]"),
-        ({"capability": (7, 0)}, "Fake 1 is sm_70, and the installed compiler writes code for sm_75, sm_90"),
-    ],
-)
+@pytest.mark.parametrize(("state", "said"), [
+    ({"fails": {"cuInit": 100}}, "this machine has no NVIDIA card, or CUDA_VISIBLE_DEVICES hides it"),
+    ({"version": 12040}, r"driver of this card is for CUDA 12.4, and the compiler for CUDA 13: update.*\[gpu12\]"),
+    ({"capability": (7, 0)}, "Fake 1 is sm_70, and the installed compiler writes code for sm_75, sm_90"),
+])  # fmt: skip
 def test_cards_that_cannot_be_used(state, said, card):
     vars(card).update(state)
     with pytest.raises(CardError, match=said) as found:

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import dask
 import distributed
@@ -132,12 +133,8 @@ def with_cards(monkeypatch):
 
     def put(card):
         def run_there(key, bundle, device="cpu"):
-            def the_card():
-                if isinstance(card, Exception):
-                    raise card
-                return card
-
-            devices.the_card = the_card
+            error = card if isinstance(card, Exception) else None
+            devices.the_card = Mock(return_value=card, side_effect=error)
             return real(key, bundle, device)
 
         monkeypatch.setattr(clusters, "run_remotely", run_there)

@@ -4,6 +4,7 @@ import logging
 import threading
 import time
 import warnings
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -41,10 +42,7 @@ def card(monkeypatch):
 
 @pytest.fixture
 def no_card(monkeypatch):
-    def fails():
-        raise CardError("this machine has no NVIDIA card")
-
-    monkeypatch.setattr(devices, "the_card", fails)
+    monkeypatch.setattr(devices, "the_card", Mock(side_effect=CardError("this machine has no NVIDIA card")))
 
 
 def ring(**more):
@@ -173,10 +171,11 @@ def test_auto_takes_a_card_for_long_studies_only_and_says_so(card, caplog, monke
     assert caplog.text.count("study: runs on the CPU: too short for a card to be worth its start") == 1
     long = study_of(robots=4, rounds=2, trials=160_000)
     monkeypatch.setattr(choosing, "cores", lambda: 1)
-    assert devices.placing_of_study(long, "auto", quiet=False).on_card.all()
+    auto = devices.Hardware(device="auto"), long, long.settings(), long.trials
+    assert devices.placing_of(*auto).on_card.all()
     assert caplog.text.count("study: networks run on the card Fake 1") == 1
     monkeypatch.setattr(choosing, "cores", lambda: 1000)
-    assert not devices.placing_of_study(long, "auto").on_card.any()
+    assert not devices.placing_of(*auto).on_card.any()
 
 
 def test_auto_runs_on_the_cpu_without_a_card(no_card, caplog, monkeypatch):

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 from swarmcensus.cli.messages import reporting, say
-from swarmcensus.cli.parameters import FOLDER, NAME, Device, Fresh, Jobs, Seed, Set, Trials, path, takes, values_of
+from swarmcensus.cli.parameters import FOLDER, NAME, USUAL, Fresh, Hardware, Seed, Set, Trials, path, takes, values_of
 from swarmcensus.support.answers import Answer
 
 
@@ -13,7 +13,7 @@ def leaderboard(
     files: Annotated[Sequence[Path], takes(path, "FILE.py", several=True)] = (), /, *,
     study: Annotated[Path | None, takes(path, "STUDY.toml")] = None, set: Set = (),
     out: Annotated[Path, FOLDER] = Path("leaderboard"), group: Annotated[str | None, NAME] = None,
-    jobs: Jobs = None, device: Device = "cpu", trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
+    hardware: Hardware = USUAL, trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
 ) -> Answer:  # fmt: skip
     """Run all brains, and yours, in one fixed set of worlds.
 
@@ -28,6 +28,6 @@ def leaderboard(
     more = {key: value for key, value in (("trials", trials), ("seed", seed)) if value is not None}
     with reporting("leaderboard") as progress:
         return leaderboard(
-            files, out, study=study, set=values_of(set, **more) | more, group=group, jobs=jobs, device=device,
-            fresh=fresh, progress=progress, say=say,
+            files, out, study=study, set=values_of(set, **more) | more, group=group, fresh=fresh, progress=progress,
+            say=say, **vars(hardware),
         )  # fmt: skip

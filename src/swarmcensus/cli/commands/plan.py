@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 from swarmcensus.cli.messages import reporting
-from swarmcensus.cli.parameters import FILE, Device, Jobs, Seed, Set, Trials, path, takes, values_of
+from swarmcensus.cli.parameters import FILE, USUAL, Hardware, Seed, Set, Trials, path, takes, values_of
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import elapsed
@@ -14,7 +14,7 @@ from swarmcensus.support.options import command as shell_line, wrong_option
 
 def plan(
     study: Annotated[Path | None, takes(path, "STUDY.toml")] = None, /, *, set: Set = (), trials: Trials = None,
-    seed: Seed = None, jobs: Jobs = None, device: Device = "cpu", out: Annotated[Path | None, FILE] = None,
+    seed: Seed = None, hardware: Hardware = USUAL, out: Annotated[Path | None, FILE] = None,
     plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf", "draw a figure")] = None,
 ) -> Answer:  # fmt: skip
     """Find how many robots, or minutes, a mission needs.
@@ -47,7 +47,7 @@ def plan(
             raise wrong_option("out", out, why) from None
     begun = time.monotonic()
     with reporting(str(tables.get("name", "mission"))) as progress:
-        found = plan_of(tables, jobs, progress, where=where, base=base, device=device)
+        found = plan_of(tables, progress=progress, where=where, base=base, **vars(hardware))
     if plot:
         from swarmcensus.figures import draw_plan, save
 

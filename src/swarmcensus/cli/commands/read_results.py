@@ -8,11 +8,11 @@ from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import (
     FILE,
     NUMBER,
+    USUAL,
     WHEN,
     WHOLE,
     BrainFiles,
-    Device,
-    Jobs,
+    Hardware,
     Labels,
     Results,
     Where,
@@ -80,7 +80,7 @@ WHICH = exclusive()
 
 def verify(
     results: Results, /, *, sample: Annotated[float, NUMBER, WHICH] = 0.01, all: Annotated[bool, WHICH] = False,
-    brain_file: BrainFiles = (), jobs: Jobs = None, device: Device = "cpu", seed: Annotated[int | None, WHOLE] = None,
+    brain_file: BrainFiles = (), hardware: Hardware = USUAL, seed: Annotated[int | None, WHOLE] = None,
 ) -> Answer:  # fmt: skip
     """Run trials again, and compare them bit for bit.
 
@@ -100,6 +100,5 @@ def verify(
 
     with reporting("verify") as progress:
         return verifying.verify(
-            results, 1.0 if all else sample, brain_file=brain_file, seed=seed, jobs=jobs, progress=progress,
-            device=device,
+            results, 1.0 if all else sample, brain_file=brain_file, seed=seed, progress=progress, **vars(hardware)
         )  # fmt: skip

@@ -11,9 +11,9 @@ from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import (
     FILE,
     FOLDER,
-    Device,
+    USUAL,
     Fresh,
-    Jobs,
+    Hardware,
     Seed,
     Set,
     StudyFile,
@@ -34,7 +34,7 @@ WHAT = Parameter(metavar="WHAT", completer=lambda _: ["paper", "rivals"])
 def reproduce(
     of: Annotated[str, WHAT] = "paper", /, *, out: Annotated[Path | None, FOLDER] = None,
     only: Annotated[Sequence[str], Parameter(metavar="PART", consume_multiple=1, allow_repeating=True)] = (),
-    pdf: bool = False, jobs: Jobs = None, device: Device = "cpu", trials: Trials = None, seed: Seed = None,
+    pdf: bool = False, hardware: Hardware = USUAL, trials: Trials = None, seed: Seed = None,
     fresh: Fresh = False,
 ) -> Answer:  # fmt: skip
     """Run the paper's evaluation: its figures and its claims.
@@ -50,14 +50,14 @@ def reproduce(
     folder = "reproduction" if of == "paper" else f"reproduction-{of}"
     with reporting("reproduce") as progress:
         return reproducing.reproduce(
-            out or Path(folder), of=of, trials=trials, seed=seed, jobs=jobs, device=device, only=only or None,
-            fresh=fresh, pdf=pdf, progress=progress, say=say,
+            out or Path(folder), of=of, trials=trials, seed=seed, only=only or None, fresh=fresh, pdf=pdf,
+            progress=progress, say=say, **vars(hardware),
         )  # fmt: skip
 
 
 def run(
-    study: StudyFile, /, *, set: Set = (), out: Annotated[Path | None, FILE] = None, jobs: Jobs = None,
-    device: Device = "cpu", trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
+    study: StudyFile, /, *, set: Set = (), out: Annotated[Path | None, FILE] = None,
+    hardware: Hardware = USUAL, trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
     share: Annotated[tuple[int, int] | None, takes(part_of_trials, "K/N")] = None,
     cluster: Annotated[str | None, Parameter(metavar="WHERE")] = None,
 ) -> Answer:  # fmt: skip
@@ -75,8 +75,8 @@ def run(
     out = out or Path(study.stem + ".nc")
     check_output("out", out, (".nc",), study)
     read = read.with_(trials=trials, seed=seed)
-    if jobs and cluster:
-        raise option_conflict("jobs", jobs, "sets the threads of this machine: it does not go with --cluster")
+    if hardware.jobs and cluster:
+        raise option_conflict("jobs", hardware.jobs, "sets the threads of this machine: it does not go with --cluster")
     # After the checks above, since these imports are slow:
     from swarmcensus.results import packed
     from swarmcensus.runs import run as run_study
@@ -86,15 +86,7 @@ def run(
     try:
         with reporting(read.name) as progress:
             results = run_study(
-                read,
-                jobs,
-                progress,
-                out=out,
-                fresh=fresh,
-                cluster=cluster,
-                share=share,
-                say=say,
-                device=device,
+                read, progress=progress, out=out, fresh=fresh, cluster=cluster, share=share, say=say, **vars(hardware)
             )
     except Interrupted as stopped:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")

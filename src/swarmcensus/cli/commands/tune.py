@@ -11,9 +11,9 @@ from swarmcensus.cli.parameters import (
     COUNT,
     FILE,
     NAME,
-    Device,
+    USUAL,
     Fresh,
-    Jobs,
+    Hardware,
     Seed,
     Set,
     StudyFile,
@@ -31,7 +31,7 @@ def tune(
     adversary: Annotated[str | None, NAME, known("brains.adversary")] = None,
     parameter: Annotated[Sequence[str], takes(str, "NAME=LOW:HIGH", several=True)],
     metric: Annotated[str, NAME] = "final_error", budget: Annotated[int, COUNT] = 200,
-    trials: Annotated[int, COUNT] = 10, seed: Seed = None, jobs: Jobs = None, device: Device = "cpu",
+    trials: Annotated[int, COUNT] = 10, seed: Seed = None, hardware: Hardware = USUAL,
     fresh: Fresh = False, out: Annotated[Path | None, FILE] = None,
 ) -> Answer:  # fmt: skip
     """Search for good values of a brain's parameters.
@@ -57,8 +57,8 @@ def tune(
     try:
         with reporting(f"{'searching' if target.harms else 'tuning'} {searched}") as progress:
             found = tune_of(
-                read, parameter, target.brain.name, metric, budget=budget, trials=trials, jobs=jobs, device=device,
-                out=out, fresh=fresh, progress=progress, say=say, adversary=adversary,
+                read, parameter, target.brain.name, metric, budget=budget, trials=trials, out=out, fresh=fresh,
+                progress=progress, say=say, adversary=adversary, **vars(hardware),
             )  # fmt: skip
     except KeyboardInterrupt:
         if files[".csv"].exists():

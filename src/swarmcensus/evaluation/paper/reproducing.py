@@ -17,7 +17,7 @@ from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFig
 from swarmcensus.evaluation.paper.evidence import check
 from swarmcensus.evaluation.paper.page import AS_PAPER
 from swarmcensus.evaluation.paper.report import Reproduction
-from swarmcensus.runs import Device, Progress, Report, compile_for, placing_of_study, run, showing
+from swarmcensus.runs import Device, Hardware, Progress, Report, compile_for, placing_of, run, showing
 from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
@@ -74,7 +74,7 @@ def reproduce(
         yield
         report_time(name, time.monotonic() - begun)
 
-    datasets, compiled, simulated = _simulate(out, studies, jobs, fresh, progress, say, device)
+    datasets, compiled, simulated = _simulate(out, studies, Hardware(jobs, device), fresh, progress, say)
     if compiled:
         report_time("compile", compiled)
     if datasets:
@@ -116,8 +116,8 @@ def _command(this: Evaluation, out: Path | None, trials: int | None, seed: int |
 
 
 def _simulate(
-    out: Path | None, studies: Mapping[str, Study], jobs: int | None, fresh: bool, progress: Report | bool,
-    say: Callable[[str], None], device: Device,
+    out: Path | None, studies: Mapping[str, Study], hardware: Hardware, fresh: bool, progress: Report | bool,
+    say: Callable[[str], None],
 ) -> tuple[dict[str, xr.Dataset], float, float]:  # fmt: skip
     """The results of all studies, and the seconds that this call compiled and simulated."""
     files = {name: None if out is None else data_path(out, name) for name in studies}
@@ -126,9 +126,8 @@ def _simulate(
     with showing(progress, "reproduce") as report:
         # for all studies at once, so that two compile at a time
         if fresh or not all(path is not None and path.exists() for path in files.values()):
-            needed = [
-                (one, placing_of_study(one, device, quiet=False).on_cpu(one.settings())) for one in studies.values()
-            ]
+            every = ((one, one.settings()) for one in studies.values())
+            needed = [(one, placing_of(hardware, one, ours, one.trials).on_cpu(ours)) for one, ours in every]
             compile_for(needed, lambda note: report(Progress(0, 0, 0.0, 0.0, note)))
             compiled = time.monotonic()
         for name, study in studies.items():
@@ -137,7 +136,7 @@ def _simulate(
                 report(replace(now, stage=stage, part="this study"))
 
             datasets[name] = run(
-                study, jobs=jobs, progress=show, out=files[name], fresh=fresh, say=say, cautions=False, device=device
+                study, progress=show, out=files[name], fresh=fresh, say=say, cautions=False, **vars(hardware)
             )
     return datasets, compiled - begun, time.monotonic() - compiled
 

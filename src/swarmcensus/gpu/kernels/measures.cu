@@ -74,6 +74,158 @@ KERNEL(extremes) {
     }
 }
 
+#define TAIL 0.05
+#define MARGIN 1e-12
+
+struct Quantile {
+    double lower, upper, value;
+};
+
+// Where a quantile of so many estimates lies: after so many of them, and so far towards the next one.
+struct Place {
+    int64_t rank;
+    double part;
+};
+
+PART Place place_of(int64_t count, double share) {
+    const double place = (double)(count - 1) * share;
+    return {(int64_t)place, place - (double)(int64_t)place};
+}
+
+// A quantile between the two estimates around it, linear as in NumPy.
+PART double between(double lower, double upper, double part) {
+    const double step = upper - lower;
+    return part >= 0.5 ? upper - step * (1.0 - part) : lower + step * part;
+}
+
+// Quantiles of wide rows: the estimates around both of them, of four ranks, are found together, digit by digit of their
+// keys, each digit by two launches. Many blocks a row tally what its estimates have as the next digit, and one block
+// chooses the digits. Digits that the least and the greatest estimate share are known. Rows of the last rounds come
+// first, a chunk at a time: rows before one whose robots disagree are needed at checkpoints only.
+#define SOUGHT 4
+#define DIGITS 8
+
+// The number of digits of the keys in a row that are known from the start; DIGITS if the row needs no quantiles.
+PART int64_t known_digits(const Given &given, int64_t trial, int64_t k) {
+    if (k > given.rounds) {
+        return DIGITS;
+    }
+    const uint64_t *ends = given.extremes + 2 * (trial * (given.rounds + 1) + k);
+    const uint64_t least = ~ends[0], greatest = ends[1];
+    const int64_t chunks = (given.rounds + given.chunk) / given.chunk;
+    bool needed = of_key(greatest) - of_key(least) > 2.0 * (given.delta - MARGIN);
+    for (int64_t c = given.chunk_at + 1; c < chunks; c++) {
+        needed = needed && given.agreed[trial * chunks + c] == 0;
+    }
+    for (int64_t c = 0; c < given.checkpoints; c++) {
+        needed = needed || given.rounds_of[c] == k;
+    }
+    int64_t known = 0;
+    while (known < DIGITS - 1 && (least ^ greatest) >> (56 - 8 * known) == 0) {
+        known++;
+    }
+    return needed ? known : DIGITS;
+}
+
+// What is known of the keys that are sought in a row, with zeros after it.
+struct Begun {
+    uint64_t keys[SOUGHT], mask;
+    int32_t like[SOUGHT];  // the first that begins as each does: they have one tally
+};
+
+PART Begun begun_in(const Given &given, int64_t at, bool is_first) {
+    Begun begun;
+    begun.mask = given.k > 0 ? ~0ull << (64 - 8 * given.k) : 0;
+    for (int32_t n = 0; n < SOUGHT; n++) {
+        begun.keys[n] = is_first ? ~given.extremes[2 * at] & begun.mask : given.sought[2 * SOUGHT * at + n];
+        begun.like[n] = n;
+        for (int32_t other = n - 1; other >= 0; other--) {
+            begun.like[n] = begun.keys[other] == begun.keys[n] ? other : begun.like[n];
+        }
+    }
+    return begun;
+}
+
+KERNEL(tally) {
+    uint32_t *ours = (uint32_t *)SHARED;
+    const int64_t pieces = (given.robots + given.piece - 1) / given.piece, trial = BLOCK / pieces / given.chunk;
+    const int64_t k = given.chunk_at * given.chunk + BLOCK / pieces % given.chunk, at = trial * (given.rounds + 1) + k;
+    const int64_t from = BLOCK % pieces * given.piece, end = from + given.piece, known = known_digits(given, trial, k);
+    if (given.k < known) {
+        return;
+    }
+    const double *row = row_of(given, trial, k);
+    const Begun begun = begun_in(given, at, given.k == known);
+    PHASE {
+        for (int64_t n = thread; n < SOUGHT * 256; n += THREADS) {
+            ours[n] = 0;
+        }
+    }
+    BARRIER;
+    PHASE {
+        for (int64_t i = from + thread; i < end && i < given.robots; i += THREADS) {
+            const uint64_t key = key_of(row[i]);
+            for (int32_t n = 0; n < SOUGHT; n++) {
+                if (begun.like[n] == n && (key & begun.mask) == begun.keys[n] && is_honest(given, trial, i)) {
+                    add(&ours[256 * n + ((key >> (56 - 8 * given.k)) & 255)], 1);
+                }
+            }
+        }
+    }
+    BARRIER;
+    PHASE {
+        for (int64_t n = thread; n < SOUGHT * 256; n += THREADS) {
+            if (ours[n] > 0) {
+                add(&given.tallies[SOUGHT * 256 * at + n], ours[n]);
+            }
+        }
+    }
+}
+
+KERNEL(choose) {
+    uint32_t *ours = (uint32_t *)SHARED;
+    const int64_t trial = BLOCK / given.chunk, k = given.chunk_at * given.chunk + BLOCK % given.chunk;
+    const int64_t at = trial * (given.rounds + 1) + k, known = known_digits(given, trial, k);
+    const int64_t count = given.counted[trial];
+    if (given.k < known) {
+        return;
+    }
+    const Begun begun = begun_in(given, at, given.k == known);
+    uint64_t *keys = given.sought + 2 * SOUGHT * at, *ranks = keys + SOUGHT;
+    PHASE {
+        for (int64_t n = thread; n < SOUGHT * 256; n += THREADS) {
+            ours[n] = given.tallies[SOUGHT * 256 * at + n];
+            given.tallies[SOUGHT * 256 * at + n] = 0;
+        }
+    }
+    BARRIER;
+    PHASE {
+        if (thread < SOUGHT) {
+            const int64_t first = place_of(count, thread < 2 ? TAIL : 1.0 - TAIL).rank + thread % 2;
+            uint64_t rank = given.k > known ? ranks[thread] : first < count ? first : count - 1;
+            const uint32_t *tally = ours + 256 * begun.like[thread];
+            int32_t digit = 0;
+            while (digit < 255 && rank >= tally[digit]) {
+                rank -= tally[digit++];
+            }
+            keys[thread] = begun.keys[thread] | (uint64_t)digit << (56 - 8 * given.k);
+            ranks[thread] = rank;
+        }
+    }
+    BARRIER;
+    PHASE {
+        if (thread == 0 && given.k == DIGITS - 1) {
+            const double low = between(of_key(keys[0]), of_key(keys[1]), place_of(count, TAIL).part);
+            const double high = between(of_key(keys[2]), of_key(keys[3]), place_of(count, 1.0 - TAIL).part);
+            given.widths[at] = (high - low) / 2.0;
+            if (given.widths[at] > given.delta) {
+                const int64_t chunks = (given.rounds + given.chunk) / given.chunk;
+                take_more((uint64_t *)given.agreed + trial * chunks + given.chunk_at, k + 1);
+            }
+        }
+    }
+}
+
 // The honest estimate of a row with so many before it, in order; digit by digit.
 APART uint64_t select(const Given &given, int64_t trial, const double *row, int64_t rank TOGETHER) {
     Shared *ours = (Shared *)SHARED;
@@ -119,16 +271,11 @@ APART uint64_t select(const Given &given, int64_t trial, const double *row, int6
     return prefix;
 }
 
-struct Quantile {
-    double lower, upper, value;
-};
-
-// The two honest estimates around a quantile of a row, and the quantile, linear as in NumPy.
+// The two honest estimates around a quantile of a row, and the quantile.
 APART Quantile quantile_of(const Given &given, int64_t trial, const double *row, int64_t count, double share TOGETHER) {
     Shared *ours = (Shared *)SHARED;
-    const double place = (double)(count - 1) * share;
-    const int64_t rank = (int64_t)place;
-    const double part = place - (double)rank;
+    const Place place = place_of(count, share);
+    const int64_t rank = place.rank;
     const uint64_t key = select(given, trial, row, rank ALL_OF_US);
     PHASE {
         if (thread == 0) {
@@ -156,13 +303,9 @@ APART Quantile quantile_of(const Given &given, int64_t trial, const double *row,
     const bool is_last = rank + 1 >= count || ours->counts[0] > rank + 1;
     found.upper = is_last ? found.lower : of_key(~ours->greatest[0]);
     BARRIER;
-    const double step = found.upper - found.lower;
-    found.value = part >= 0.5 ? found.upper - step * (1.0 - part) : found.lower + step * part;
+    found.value = between(found.lower, found.upper, place.part);
     return found;
 }
-
-#define TAIL 0.05
-#define MARGIN 1e-12
 
 // Whether the estimates around the lower quantile are a and b or more, those around the other c and d or less.
 APART bool are_inside(const Given &given, int64_t trial, const double *row, int64_t count, const double *bounds TOGETHER) {
@@ -206,10 +349,6 @@ KERNEL(agree) {
     double bounds[4] = {row[0] - reach, row[0] - reach, row[0] + reach, row[0] + reach};
     for (int64_t k = (end <= given.rounds ? end : given.rounds + 1) - 1; k >= first && found == 0; k--) {
         row = row_of(given, trial, k);
-        const uint64_t *ends = given.extremes + 2 * (trial * (given.rounds + 1) + k);
-        if (given.piece > 0 && of_key(ends[1]) - of_key(~ends[0]) <= 2.0 * reach) {
-            continue;
-        }
         if (!are_inside(given, trial, row, count, bounds ALL_OF_US)) {
             const Quantile low = quantile_of(given, trial, row, count, TAIL ALL_OF_US);
             const Quantile high = quantile_of(given, trial, row, count, 1.0 - TAIL ALL_OF_US);
@@ -252,12 +391,17 @@ KERNEL(check) {
     BARRIER;
     const uint32_t right = ours->counts[0];
     BARRIER;
-    const Quantile low = quantile_of(given, trial, row, count, TAIL ALL_OF_US);
-    const Quantile high = quantile_of(given, trial, row, count, 1.0 - TAIL ALL_OF_US);
+    double width = 0.0;
+    if (given.piece > 0) {
+        width = given.widths[trial * (given.rounds + 1) + given.rounds_of[c]];
+    } else {
+        const Quantile low = quantile_of(given, trial, row, count, TAIL ALL_OF_US);
+        width = (quantile_of(given, trial, row, count, 1.0 - TAIL ALL_OF_US).value - low.value) / 2.0;
+    }
     PHASE {
         if (thread == 0) {
             given.correct[BLOCK] = (double)right / (double)count;
-            given.disagreement[BLOCK] = (high.value - low.value) / 2.0;
+            given.disagreement[BLOCK] = width;
         }
     }
 }

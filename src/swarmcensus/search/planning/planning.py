@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.runs import Device, Report, check_device, showing, thread_count
+from swarmcensus.runs import Device, Hardware, Report, showing
 from swarmcensus.search.planning.areas import Unreachable
 from swarmcensus.search.planning.mission import Mission, missions_of, tables_of
 from swarmcensus.search.planning.plans import Need, Plan, Question
@@ -42,14 +42,13 @@ def plan(
         tables = dict(study) if isinstance(study, Mapping) else read_toml(study.text, where)
     missions = missions_of(with_values(tables, plain(set)), where, base)
     question, rows = question_of(missions[0]), list[Need]()
-    jobs = thread_count(jobs)
-    check_device(device)
+    hardware = Hardware(jobs, device)
     if device != "cpu" and any(one.moves for one in missions):
         LOG.info("%s: all settings run on the CPU: robots move", missions[0].study.name)
-        device = "cpu"
+        hardware = Hardware(jobs)
     with showing(progress, "mission") as show:
         missions = with_worst_accuracy(missions)
-        searches = [Search(one, jobs, show, device) for one in missions]
+        searches = [Search(one, hardware, show) for one in missions]
         try:
             for search in searches:
                 rows += _rows(search, question_of(search.mission))

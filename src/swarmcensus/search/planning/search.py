@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.runs import Device, Progress, predicted_seconds
+from swarmcensus.runs import Hardware, Progress, predicted_seconds
 from swarmcensus.search.planning.areas import Unreachable, check_network
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (
@@ -40,9 +40,8 @@ class Search:
     """A mission in one world, and the cases to simulate; the first case's fill ratio is the worst by theory."""
 
     mission: Mission
-    jobs: int
+    hardware: Hardware
     show: Show
-    device: Device = "cpu"
     cases: list[Case] = field(init=False)
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
@@ -120,6 +119,6 @@ class Search:
             self.show(replace(progress, stage=stage, part="this step"))
 
         by_brain: dict[str, list[Curve]] = {brain.label: [] for brain in brains}
-        for curve in curves(mission, study, self.jobs, show, self.device):
+        for curve in curves(mission, study, self.hardware, show):
             by_brain[curve.brain].append(curve)
         return by_brain

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
-from swarmcensus.runs import Device, Progress, run
+from swarmcensus.runs import Hardware, Progress, run
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.simulation import NO_ESTIMATE, sampling
 from swarmcensus.studies import Setting, Study
@@ -72,12 +72,12 @@ def study_of(
     return Study.changed(tables, values, where=mission.study.name, context=context)
 
 
-def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device: Device = "cpu") -> list[Curve]:
+def curves(mission: Mission, study: Study, hardware: Hardware, show: Show) -> list[Curve]:
     """Run a study: a curve for each brain and case. Raises InputError.
 
     If robots lie, numbers may diverge to infinity; in such a trial nobody is right.
     """
-    data, measured = _data_of(study, mission.has_liars, jobs, show, device), []
+    data, measured = _data_of(study, mission.has_liars, hardware, show), []
     for number, setting in enumerate(study.settings()):
         if data is None:
             right = np.zeros((len(study.checkpoints), study.trials, setting.honest), np.bool_)
@@ -94,12 +94,12 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
     return measured
 
 
-def _data_of(study: Study, has_liars: bool, jobs: int | None, show: Show, device: Device) -> xr.Dataset | None:
+def _data_of(study: Study, has_liars: bool, hardware: Hardware, show: Show) -> xr.Dataset | None:
     """Run a study in which numbers may diverge among liars; such trials are missing. None if all are such."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*failed", UserWarning)
         try:
-            data = run(study, jobs, show, cautions=False, device=device)
+            data = run(study, progress=show, cautions=False, **vars(hardware))
         except InputError as error:
             if has_liars and NO_ESTIMATE in str(error):
                 return None

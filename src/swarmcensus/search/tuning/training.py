@@ -2,13 +2,14 @@
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.results import LOCAL, store
-from swarmcensus.runs import Device, Progress, WhereToRun, placing_of, pools, recompute
+from swarmcensus.runs import Hardware, Progress, placing_of, pools, recompute
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.targets import world_with
 from swarmcensus.studies import Setting
@@ -22,13 +23,11 @@ MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or
 class Training:
     """Runs candidates in worlds."""
 
-    def __init__(self, plan: TuningPlan, jobs: int, device: Device = "cpu") -> None:
+    def __init__(self, plan: TuningPlan, hardware: Hardware) -> None:
         """Choose where trials run. Raises InputError."""
         self.study, self.worlds, self.measures, self.trials = plan.study, plan.worlds, plan.measures, plan.trials
-        self.jobs, self.device = jobs, device
         self.local = any(measure.name in LOCAL for measure in self.measures)
-        trials = np.full(len(self.worlds), plan.budget * self.trials)
-        self.placing = placing_of(self.study, self.worlds, trials, device, local=self.local)
+        self.placing = placing_of(hardware, self.study, self.worlds, plan.budget * self.trials, local=self.local)
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""
@@ -46,8 +45,8 @@ class Training:
         seeded.seed = seed
         settings = [world_with(world, program) for program in programs for world in self.worlds]
         wanted = np.ones((len(settings), self.trials), np.bool_)
-        placing = WhereToRun(self.placing.card, np.tile(self.placing.room, len(programs)))
-        values, failures = recompute(seeded, settings, wanted, self.local, placing, self.jobs, show)
+        placing = replace(self.placing, room=np.tile(self.placing.room, len(programs)))
+        values, failures = recompute(seeded, settings, wanted, self.local, placing, show)
         data = store.dataset([seeded], settings, [""] * len(settings), values)
         numbers = np.stack([learnt_numbers(data, measure.name) for measure in self.measures])
         numbers = numbers.reshape(len(self.measures), len(programs), len(self.worlds), self.trials)

@@ -9,7 +9,7 @@ from typing import Any
 
 from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results import folder_of, store
-from swarmcensus.runs import Device, Report, pools, run, showing
+from swarmcensus.runs import Device, Hardware, Report, run, showing
 from swarmcensus.search.tuning.evidence import Evidence, evidence_of
 from swarmcensus.search.tuning.generations import new_search, reset_idle, run_search
 from swarmcensus.search.tuning.logs import Evaluation, Log
@@ -105,8 +105,8 @@ def tune(
     files = files_of(out)
     if files:
         check_replaceable(files[".nc"])
-    jobs, search = pools.thread_count(jobs), new_search(plan)
-    training = Training(plan, jobs, device)
+    hardware, search = Hardware(jobs, device), new_search(plan)
+    training = Training(plan, hardware)
     log = Log(files.get(".csv"), plan, fresh)
     with showing(progress, f"tuning {plan.target.program.name}") as show, log:
         if log.evaluations and say:
@@ -120,7 +120,7 @@ def tune(
         else:
             again, kept = evaluation_of(plan, tuned), files.get(".nc")  # finished trials are kept, and not run again
             other = kept is not None and any(title != again.name for title in _titles(kept)[-1:])  # of other values
-            data = run(again, jobs, show, out=kept, fresh=fresh or other, say=say, cautions=False, device=device)
+            data = run(again, progress=show, out=kept, fresh=fresh or other, say=say, cautions=False, **vars(hardware))
             evidence = evidence_of(data, again.settings(), plan, tuned)
         notes = notes_of(plan, idle)
         text = report(plan, tuned, result, evidence, notes)

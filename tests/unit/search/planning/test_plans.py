@@ -10,6 +10,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.figures.plan_lines import draw_plan
+from swarmcensus.runs import Hardware
 from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.goals import Goal
 from swarmcensus.search.planning.mission import missions_of
@@ -197,7 +198,7 @@ def test_only_honest_robots_that_work_are_counted(liars):
     mission = mission_of(RING, **given)
     case = Case(0.9, mission.lies[0] if liars else None)
     study = study_of(mission, 10, mission.study.swarm.brain, [case], [5, 40], 50, 3)
-    [curve] = curves(mission, study, 1, QUIET["progress"])
+    [curve] = curves(mission, study, Hardware(), QUIET["progress"])
     data = sc.run(study.with_(wanted={"error": 0.05}))
     estimates = data["estimates"].values[0]
     [setting] = study.settings()
