@@ -199,7 +199,7 @@ def test_all_is_on_one_screen(page, served):
     assert picture["y"] < player["y"] < 844
 
 
-@pytest.mark.long(but=["light"])
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_links_and_robots_stand_out(page, served, scheme):
     """By at least 3 to 1 from the ground, as WCAG asks of what is no text; a full network is no solid disc."""

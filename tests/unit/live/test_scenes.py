@@ -254,7 +254,6 @@ def test_what_a_robot_heard_is_what_its_neighbours_said():
     assert told["fields"]["x_bar"] == pytest.approx(sum(o["said"]["heard_x"] for o in told["heard"]) / beta, rel=1e-12)
 
 
-@pytest.mark.interpreted
 def test_lost_messages_are_not_shown():
     show = show_of({"topology": "ring", "robots": "40", "link_success": "0.3"})
     shown = parsed(show.frames(list(range(1, 101))))
