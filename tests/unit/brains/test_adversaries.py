@@ -17,7 +17,7 @@ from tests.reference import walks as reference_walks
 from tests.support.lives import MEASURE, lived
 from tests.support.lying import RICH, adversary_of, liars, robot, wrapped
 from tests.support.second import brain, changed, fixed, moving
-from tests.support.small import FAMILIES, FAULTS, GO, SEED, failing, study_of
+from tests.support.small import FAULTS, GO, SEED, failing, study_of
 from tests.support.trials import record_ride
 
 NAMES = adversary.PLUGINS.shipped
@@ -265,7 +265,7 @@ def test_however_silence_is_said_it_is_kept(ends):
 
 
 @pytest.mark.interpreted
-@pytest.mark.long(but=FAMILIES)
+@pytest.mark.long(but=["minimalistic", "commons", "voter", "w-msr"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range.

@@ -82,6 +82,7 @@ def test_same_bits_of_random_studies(card, number):
     assert differences(card, random_study(number)) == []
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("broken", "why"),
@@ -148,6 +149,7 @@ def test_batches_fit_the_memory():
         Card(Emulator(1000)).most_trials(setting, metrics)
 
 
+@pytest.mark.long(only=["1500"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("robots", [6, 1500])
 def test_a_card_that_computes_nothing_is_not_believed(card, monkeypatch, robots):

@@ -138,6 +138,7 @@ def test_a_picture_has_whole_curves_a_key_and_an_axis_to_read(page, served):
         assert wide < 0.7 * room
 
 
+@pytest.mark.long
 def test_any_key_of_a_study_can_be_given(page, served):
     come(page, served.address("setting=1&body.tick=0.2"))
     playwright.expect(page.locator("#error")).to_contain_text("world.body is of robots that move")

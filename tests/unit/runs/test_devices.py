@@ -147,6 +147,7 @@ def test_ctrl_c_stops_a_batch(card):
     assert time.monotonic() - started < 1.0
 
 
+@pytest.mark.long
 def test_failing_trials_fail_as_on_the_cpu(card, here):
     (here / "fails.py").write_text(FAILS)
     study = study_of("fails.py", robots=4, rounds=80, trials=20, fill_ratio=0.3)
