@@ -73,22 +73,14 @@ def test_each_is_copied_with_what_it_names(name, here, accepted):
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash here")
 @pytest.mark.parametrize(
     ("words", "offered"),
-    [
-        (["pl"], ["plan", "plot"]),
-        (["plot", "--th"], ["--theory"]),
-        (["doctor", "--completion", ""], ["bash", "zsh", "fish"]),
-        (["list", "ad"], ["adversaries"]),
-        (["run", "ri"], ["ring.toml"]),
-        (["brains", "--check", "ri"], ["ring.toml"]),
-        (["brains", "--show", "al"], ["alone"]),
-        (["deploy", "swi"], ["swift"]),
-        (["deploy", "swift", "--target", "k"], ["kilobot"]),
-        (["new", "stu"], ["study"]),
-        (["reproduce", "ri"], ["rivals"]),
-        (["new", "paper/mo"], ["paper/moving"]),
-        (["plot", "--kind", "hea"], ["heatmap"]),
-    ],
-)
+    [(["pl"], ["plan", "plot"]), (["plot", "--th"], ["--theory"]),
+     (["doctor", "--completion", ""], ["bash", "zsh", "fish"]), (["list", "ad"], ["adversaries"]),
+     (["run", "ri"], ["ring.toml"]), (["brains", "--check", "ri"], ["ring.toml"]),
+     (["brains", "--show", "al"], ["alone"]), (["deploy", "swi"], ["swift"]),
+     (["deploy", "swift", "--target", "k"], ["kilobot"]), (["new", "stu"], ["study"]),
+     (["reproduce", "ri"], ["rivals"]), (["new", "paper/mo"], ["paper/moving"]),
+     (["plot", "--kind", "hea"], ["heatmap"])],
+)  # fmt: skip
 def test_bash_completes(words, offered, here, capsys):
     (here / "ring.toml").write_text("")
     assert main(["doctor", "--completion", "bash"]) == 0

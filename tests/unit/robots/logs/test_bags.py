@@ -98,13 +98,9 @@ def from_csv(csv):
 
 @pytest.mark.parametrize(
     ("storage", "kind", "heard", "compressed"),
-    [
-        ("SQLITE3", "Bool", "Int32MultiArray", None),
-        ("SQLITE3", "UInt8", "String", "MESSAGE"),
-        ("MCAP", "Float32", "UInt16MultiArray", "STORAGE"),
-        ("MCAP", "Int32", "String", "FILE"),
-    ],
-)
+    [("SQLITE3", "Bool", "Int32MultiArray", None), ("SQLITE3", "UInt8", "String", "MESSAGE"),
+     ("MCAP", "Float32", "UInt16MultiArray", "STORAGE"), ("MCAP", "Int32", "String", "FILE")],
+)  # fmt: skip
 def test_a_bag_infers_what_its_csv_files_do(data, from_csv, tmp_path, storage, kind, heard, compressed):
     write(tmp_path / "bag", events_of(data, kind, heard, jitter=PERIOD // 3), storage, compressed)
     xr.testing.assert_identical(from_csv, inferred(tmp_path, "bag", *TOPICS))
