@@ -49,6 +49,8 @@ def with_numba(cache):
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     """Runs code in a process of its own, a copy of one that has imported Numba: what it prints."""
+    if not hasattr(os, "fork"):
+        pytest.skip("no process can be copied here")
     out = tmp_path_factory.mktemp("out") / "out"
     command, pipe, environment = [sys.executable, "-c", FORKS], subprocess.PIPE, os.environ | with_numba(out.parent)
     with subprocess.Popen(command, env=environment, stdin=pipe, stdout=pipe, text=True) as process:
