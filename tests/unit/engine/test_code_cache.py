@@ -26,8 +26,9 @@ print(tiny.double(21), tiny.double(1.5), sum(tiny.double.stats.cache_hits.values
 
 FORKS = """
 import json, os, sys
-import numba.core.caching, numba.core.registry
+import numba
 from swarmcensus.engine import code_cache, compiling
+numba.njit(lambda x: 2 * x)(1)
 for line in sys.stdin:
     code, words, environment, out = json.loads(line)
     if not os.fork():
@@ -35,7 +36,6 @@ for line in sys.stdin:
         sys.argv[1:] = words
         os.dup2(os.open(out, os.O_CREAT | os.O_WRONLY), 1)
         os.dup2(1, 2)
-        numba.core.config.reload_config()
         exec(code, {})
         sys.exit()
     print(os.wait()[1], flush=True)
@@ -48,7 +48,7 @@ def with_numba(cache):
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
-    """Runs code in a process of its own, a copy of one that has imported Numba: what it prints."""
+    """Runs code in a process of its own, a copy of one that has compiled: what it prints."""
     if not hasattr(os, "fork"):
         pytest.skip("no process can be copied here")
     out = tmp_path_factory.mktemp("out") / "out"
@@ -136,7 +136,8 @@ def test_a_disk_that_fails_while_something_is_compiled_is_no_fault_of_it(how, tm
 def test_shipped_code_is_used_until_there_is_native_code(damage, tmp_path, ran):
     """But not where it is damaged, or needs another processor, and not by a process that makes native code."""
     made, shipped = tmp_path / "made", tmp_path / "shipped"
-    ran(made, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="")
+    generic = with_numba(made) | {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    subprocess.run([sys.executable, "-c", CODE], env=os.environ | generic, check=True)
     for name, code in runpy.run_path(str(ROOT / "tools" / "machine_code.py"))["collect"](made).items():
         path = shipped / name
         path.parent.mkdir(parents=True, exist_ok=True)
