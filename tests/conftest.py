@@ -191,14 +191,16 @@ def benchmark(monkeypatch):
     return importlib.import_module
 
 
-@pytest.fixture(scope="module")
-def browser():
+def opened():
     from tests.support.browsing import BROWSER, playwright  # skips what asks for it where there is none
 
     with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield opened
-        opened.close()
+        browser = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+browser = pytest.fixture(scope="module", name="browser")(opened)
 
 
 @pytest.fixture(scope="session")

@@ -70,36 +70,24 @@ def test_each_is_copied_with_what_it_names(name, here, accepted):
     assert len(copied.settings()) == len(known.settings())
 
 
+OFFERED = {
+    "pl": "plan plot", "plot --th": "--theory", "doctor --completion ": "bash fish zsh", "list ad": "adversaries",
+    "run ri": "ring.toml", "brains --check ri": "ring.toml", "brains --show al": "alone", "deploy swi": "swift",
+    "deploy swift --target k": "kilobot", "new stu": "study", "reproduce ri": "rivals", "new paper/mo": "paper/moving",
+    "plot --kind hea": "heatmap",
+}  # fmt: skip
+
+
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash here")
-@pytest.mark.parametrize(
-    ("words", "offered"),
-    [
-        (["pl"], ["plan", "plot"]),
-        (["plot", "--th"], ["--theory"]),
-        (["doctor", "--completion", ""], ["bash", "zsh", "fish"]),
-        (["list", "ad"], ["adversaries"]),
-        (["run", "ri"], ["ring.toml"]),
-        (["brains", "--check", "ri"], ["ring.toml"]),
-        (["brains", "--show", "al"], ["alone"]),
-        (["deploy", "swi"], ["swift"]),
-        (["deploy", "swift", "--target", "k"], ["kilobot"]),
-        (["new", "stu"], ["study"]),
-        (["reproduce", "ri"], ["rivals"]),
-        (["new", "paper/mo"], ["paper/moving"]),
-        (["plot", "--kind", "hea"], ["heatmap"]),
-    ],
-)
-def test_bash_completes(words, offered, here, capsys):
+def test_bash_completes(here, accepted):
     (here / "ring.toml").write_text("")
-    assert main(["doctor", "--completion", "bash"]) == 0
-    typed = ["swarmcensus", *words]
-    asked = (
-        f"COMP_WORDS=({' '.join(map(shlex.quote, typed))}); COMP_CWORD={len(words)}; "
-        "_swarmcensus; echo ${COMPREPLY[@]}"
-    )
-    script = f"{capsys.readouterr().out}\n{asked}"
-    printed = subprocess.run(["bash"], input=script, check=True, capture_output=True, encoding="utf-8").stdout
-    assert sorted(printed.split()) == sorted(offered)
+    asked = accepted("doctor", "--completion", "bash").out
+    for line in OFFERED:
+        words = ["swarmcensus", *line.split(" ")]
+        asked += f"COMP_WORDS=({' '.join(map(shlex.quote, words))}); COMP_CWORD={len(words) - 1}; COMPREPLY=()\n"
+        asked += "_swarmcensus; echo ${COMPREPLY[@]}\n"
+    printed = subprocess.run(["bash"], input=asked, check=True, capture_output=True, encoding="utf-8").stdout
+    assert [" ".join(sorted(line.split())) for line in printed.splitlines()] == [*OFFERED.values()]
 
 
 def test_a_doctor_names_what_there_is(here, monkeypatch, accepted):

@@ -24,7 +24,7 @@ from tests.support.second import ADDS, ALL, RANDOM, WALD, brain
 SHIPPED = brains.shipped()
 OF_EACH_FAMILY = [
     "minimalistic", "commons", "sure", "steadfast", "self-taught", "leaver", "oracle", "asdf", "recurrent",
-    "belief-sharing", "three-state", "weighted-voter", "w-msr", "information-filter",
+    "three-state", "weighted-voter", "w-msr", "information-filter",
 ]  # fmt: skip
 EXAMPLES = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]
 ADVERSARIES = adversary.PLUGINS.shipped
@@ -95,7 +95,7 @@ def test_others_keep_their_promises(name, untraced):
     assert faults(case(name), ["readings at once"] * name.endswith(" on rich")) == {}
 
 
-@pytest.mark.long(but=["commons", "minimalistic", "example quiet", "jammer on minimalistic"])
+@pytest.mark.long(but=["commons", "minimalistic", "jammer on minimalistic"])
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
 @pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
 def test_machine_code_does_what_cpython_does(name, untraced):
@@ -121,7 +121,7 @@ def history():
     return (chance.random((320, 8)) < black).astype(float), links
 
 
-@pytest.mark.long(but=["voter busy", "tracking"])
+@pytest.mark.long(but=["voter busy"])
 @pytest.mark.parametrize("name", LIVES)
 def test_machine_code_lives_long_lives_of_cpython(name):
     readings, links = history()
@@ -139,7 +139,7 @@ LINKS = {
 }
 
 
-@pytest.mark.long(but=["all-edges", "random-messages", "wald-nobody"])
+@pytest.mark.long(but=["all-edges", "random-messages"])
 @pytest.mark.parametrize("links", LINKS)
 @pytest.mark.parametrize("name", OWN)
 def test_machine_code_and_cpython_agree_on_recorded_data(name, links):

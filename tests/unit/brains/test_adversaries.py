@@ -17,7 +17,7 @@ from tests.reference import walks as reference_walks
 from tests.support.lives import MEASURE, lived
 from tests.support.lying import RICH, adversary_of, liars, robot, wrapped
 from tests.support.second import brain, changed, fixed, moving
-from tests.support.small import FAMILIES, FAULTS, GO, SEED, failing, study_of
+from tests.support.small import FAULTS, GO, SEED, failing, study_of
 from tests.support.trials import record_ride
 
 NAMES = adversary.PLUGINS.shipped
@@ -163,16 +163,10 @@ def test_each_field_is_lied_about_by_what_it_means():
         ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is new only in hear and plot"),
         ("def lie(me, x):\n    return x\n\n\ndef jam(me):\n    pass\n", "jam may end without returning anything"),
         ("def lie(me, x):\n    return x\n\n\ndef boasts(me, c):\n    return c\n", "did you mean 'boast'?"),
-        (
-            'MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x\n',
-            "MESSAGE belongs to the brain that the adversary wraps",
-        ),
+        ('MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x', "MESSAGE belongs to the brain that the adversary"),
         ('PARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    me.p = 2.0\n    return x\n', "lie sets me.p: parameters"),
         ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
-        (
-            "def lie(me, x):\n    pow = eval\n    return pow(x, 2)\n",
-            "line 2: lie uses eval: an adversary may call its own",
-        ),
+        ("def lie(me, x):\n    pow = eval\n    return pow(x, 2)", "line 2: lie uses eval: an adversary may call its"),
         ("def lie(me, x):\n    return lie(me, x)\n", "line 2: lie calls itself: functions of an adversary may not"),
     ],
 )
@@ -265,7 +259,7 @@ def test_however_silence_is_said_it_is_kept(ends):
 
 
 @pytest.mark.interpreted
-@pytest.mark.long(but=FAMILIES)
+@pytest.mark.long(but=["minimalistic", "commons", "voter", "w-msr"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range.

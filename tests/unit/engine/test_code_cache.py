@@ -1,6 +1,7 @@
 """Compiled code on disk: what is damaged is noticed and made anew, and gives the same numbers."""
 
 import contextlib
+import json
 import os
 import runpy
 import subprocess
@@ -23,16 +24,45 @@ print(tiny.double(21), tiny.double(1.5), sum(tiny.double.stats.cache_hits.values
 """
 
 
+FORKS = """
+import json, os, sys
+import numba
+from swarmcensus.engine import code_cache, compiling
+numba.njit(lambda x: 2 * x)(1)
+for line in sys.stdin:
+    code, words, environment, out = json.loads(line)
+    if not os.fork():
+        os.environ.update(environment)
+        sys.argv[1:] = words
+        os.dup2(os.open(out, os.O_CREAT | os.O_WRONLY), 1)
+        os.dup2(1, 2)
+        exec(code, {})
+        sys.exit()
+    print(os.wait()[1], flush=True)
+"""
+
+
 def with_numba(cache):
-    return os.environ | {"SWARMCENSUS_CACHE": str(cache), "NUMBA_DISABLE_JIT": "0"}
+    return {"SWARMCENSUS_CACHE": str(cache), "NUMBA_DISABLE_JIT": "0"}
 
 
-def ran():
-    told = subprocess.run(
-        [sys.executable, "-c", CODE],
-        env=with_numba(os.environ["SWARMCENSUS_CACHE"]), capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    return told.stdout.split()
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    """Runs code in a process of its own, a copy of one that has compiled: what it prints."""
+    if not hasattr(os, "fork"):
+        pytest.skip("no process can be copied here")
+    out = tmp_path_factory.mktemp("out") / "out"
+    command, pipe, environment = [sys.executable, "-c", FORKS], subprocess.PIPE, os.environ | with_numba(out.parent)
+    with subprocess.Popen(command, env=environment, stdin=pipe, stdout=pipe, text=True) as process:
+
+        def ran(cache, *words, code=CODE, **more):
+            out.unlink(missing_ok=True)
+            print(json.dumps([code, words, with_numba(cache) | more, str(out)]), file=process.stdin, flush=True)
+            assert process.stdout.readline() == "0\n", out.read_text()
+            return out.read_text()
+
+        yield ran
+        process.stdin.close()
 
 
 def flip(path):
@@ -50,13 +80,11 @@ DAMAGE = {
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, ran):
     root = tmp_path_factory.mktemp("cache")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SWARMCENSUS_CACHE", str(root))
-        assert ran() == ["42", "3.0", "0"]
-        assert ran() == ["42", "3.0", "2"]
-        yield root / code_cache.folder_name(FILES)
+    assert ran(root) == "42 3.0 0\n"
+    assert ran(root) == "42 3.0 2\n"
+    return root / code_cache.folder_name(FILES)
 
 
 @pytest.mark.long(but=["*.1.nbc-flip"])
@@ -65,10 +93,10 @@ def folder(tmp_path_factory):
     [("tiny.py", "flip"), ("tiny.py", "cut"), ("*.nbi", "empty"), ("*.nbi", "other"), ("*.1.nbc", "flip"),
      ("*.1.nbc", "cut"), ("*.sha256", "other")],
 )  # fmt: skip
-def test_damaged_files_are_made_again(name, damage, folder):
+def test_damaged_files_are_made_again(name, damage, folder, ran):
     (path,) = folder.rglob(name)
     DAMAGE[damage](path)
-    assert ran() == ["42", "3.0", "0"]
+    assert ran(folder.parent) == "42 3.0 0\n"
     assert (folder / "tiny.py").read_text() == FILES["tiny.py"]
 
 
@@ -96,23 +124,20 @@ else:
 
 @pytest.mark.long(but=["ENOSPC"])
 @pytest.mark.parametrize("how", ["ENOSPC", "EDQUOT", "EIO", "EROFS", "GONE", "LATER"])
-def test_a_disk_that_fails_while_something_is_compiled_is_no_fault_of_it(how, tmp_path):
+def test_a_disk_that_fails_while_something_is_compiled_is_no_fault_of_it(how, tmp_path, ran):
     """It fills, breaks, becomes read-only, or the cache is removed: once said, and all is compiled for this run."""
-    done = subprocess.run(
-        [sys.executable, "-c", FULL + CODE, how], capture_output=True, text=True,
-        env=with_numba(tmp_path / "cache") | {"XDG_CACHE_HOME": str(tmp_path / "home")},
-    )  # fmt: skip
-    assert done.stdout.split() == ["42", "3.0", "0"], done.stderr
-    assert done.stderr.count("cannot be used: brains are compiled for this run alone") == 1
+    said = ran(tmp_path / "cache", how, code=FULL + CODE, XDG_CACHE_HOME=str(tmp_path / "home"))
+    assert "42 3.0 0\n" in said
+    assert said.count("cannot be used: brains are compiled for this run alone") == 1
 
 
 @pytest.mark.long(but=["None"])
 @pytest.mark.parametrize("damage", [None, "flip", "native", "needs"])
-def test_shipped_code_is_used_until_there_is_native_code(damage, tmp_path):
+def test_shipped_code_is_used_until_there_is_native_code(damage, tmp_path, ran):
     """But not where it is damaged, or needs another processor, and not by a process that makes native code."""
     made, shipped = tmp_path / "made", tmp_path / "shipped"
-    run = [sys.executable, "-c", CODE]
-    subprocess.run(run, env=with_numba(made) | {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}, check=True)
+    generic = with_numba(made) | {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+    subprocess.run([sys.executable, "-c", CODE], env=os.environ | generic, check=True)
     for name, code in runpy.run_path(str(ROOT / "tools" / "machine_code.py"))["collect"](made).items():
         path = shipped / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -126,29 +151,31 @@ def test_shipped_code_is_used_until_there_is_native_code(damage, tmp_path):
     ahead = f"from swarmcensus.engine import code_cache\ncode_cache.SHIPPED = type(code_cache.HERE)({str(here)!r})\n"
     ahead += "code_cache.NATIVE.set()\n" * (damage == "native")
     for hits in ("2" if damage is None else "0", "2"):
-        ran = subprocess.run([*run[:2], ahead + CODE], env=with_numba(tmp_path / "new"), capture_output=True, text=True)
-        assert ran.stdout.split() == ["42", "3.0", hits], ran.stderr
+        assert ran(tmp_path / "new", code=ahead + CODE) == f"42 3.0 {hits}\n"
     assert bool([*(tmp_path / "new").rglob("*.nbc")]) == (damage is not None)
 
 
-def test_processes_share_one_compilation(tmp_path):
+def test_processes_share_one_compilation(tmp_path, ran):
     code = f"""
-import pathlib, time
+import os, time
+from numba.core import caching
 from swarmcensus.engine import code_cache
 tiny = code_cache.module({FILES!r}, "tiny")
-print("ready", flush=True)
-while not pathlib.Path("go").exists():
-    time.sleep(0.001)
-print(tiny.double(21), sum(tiny.double.stats.cache_misses.values()))
+go, begin = os.pipe()
+save = caching.IndexDataCacheFile._save_data
+def slowly(*given):
+    os.write(begin, b"!")
+    time.sleep(0.3)
+    return save(*given)
+if other := os.fork():
+    caching.IndexDataCacheFile._save_data = slowly
+else:
+    os.read(go, 1)
+tiny.double(21)
+os.write(1, b"%d\\n" % sum(tiny.double.stats.cache_misses.values()))
+os._exit(os.waitpid(other, 0)[1] if other else 0)
 """
-    kept = with_numba(tmp_path / "cache")
-    begun = [
-        subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, env=kept, stdout=subprocess.PIPE, text=True)
-        for _ in range(2)
-    ]
-    assert [process.stdout.readline() for process in begun] == ["ready\n"] * 2
-    (tmp_path / "go").touch()
-    assert sorted(process.communicate()[0] for process in begun) == ["42 0\n", "42 1\n"]
+    assert sorted(ran(tmp_path / "cache", code=code).split()) == ["0", "1"]
 
 
 def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):

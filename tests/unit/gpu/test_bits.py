@@ -63,9 +63,9 @@ def test_same_bits(card, way, number):
 @pytest.mark.interpreted
 @pytest.mark.parametrize("delay", [0, 2])
 def test_same_sums_in_full_networks_of_several_blocks(card, way, delay):
-    study = networks("commons", 4, topology="full", message_delay=delay)
-    study = study.with_(swarm={"brain": "commons", "robots": [256, 257, 700], "accuracy": 0.7})
-    assert differences(card, study) == []
+    study = networks("commons", 3, topology="full", message_delay=delay)
+    study = study.with_(swarm={"brain": "commons", "robots": [256, 257, 520], "accuracy": 0.7})
+    assert differences(card, study, trials=2) == []
 
 
 @pytest.mark.long
@@ -84,6 +84,7 @@ def test_same_bits_of_rows_that_several_blocks_read(card):
     assert differences(card, study, first=0) == []
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.interpreted
 @pytest.mark.parametrize(("broken", "why"), [
     (("pass", "me.t = me.t / (0.0 if me.n > 20.0 else 1.0)"), "ZeroDivisionError"),
@@ -149,6 +150,7 @@ def test_batches_fit_the_memory():
         Card(Emulator(1000)).most_trials(setting, metrics)
 
 
+@pytest.mark.long(only=["1500"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("robots", [6, 1500])
 def test_a_card_that_computes_nothing_is_not_believed(card, monkeypatch, robots):

@@ -4,9 +4,12 @@ import pytest
 
 from swarmcensus.live.choices import offer_of
 from swarmcensus.live.server import listen, serving
+from tests.conftest import opened
 from tests.support.growing import ROUNDS
 from tests.support.relived import logged, told
 from tests.support.watching import PAGE_STUDY
+
+browser = pytest.fixture(scope="package", name="browser")(opened)  # one for the pages of all files
 
 
 @pytest.fixture(scope="module")

@@ -138,6 +138,7 @@ def test_a_picture_has_whole_curves_a_key_and_an_axis_to_read(page, served):
         assert wide < 0.7 * room
 
 
+@pytest.mark.long
 def test_any_key_of_a_study_can_be_given(page, served):
     come(page, served.address("setting=1&body.tick=0.2"))
     playwright.expect(page.locator("#error")).to_contain_text("world.body is of robots that move")
@@ -199,7 +200,7 @@ def test_all_is_on_one_screen(page, served):
     assert picture["y"] < player["y"] < 844
 
 
-@pytest.mark.long(but=["light"])
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_links_and_robots_stand_out(page, served, scheme):
     """By at least 3 to 1 from the ground, as WCAG asks of what is no text; a full network is no solid disc."""

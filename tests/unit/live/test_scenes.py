@@ -93,10 +93,7 @@ def test_values_are_changed(offer, asked, line):
         ({"members": "[{robots = 1.0, brain = 'always-black', honest = false}]"}, "none is honest"),
         ({"members": "[{robots = 0.3, brain = 'no-lie'}]"}, "this brain's source is not stored here"),
         ({"topology": "full", "brain": "voter", "robots": "9000"}, "at most 2,000 fully connected ones can be watched"),
-        (
-            {"topology": "{networkx = 'complete_graph'}", "robots": "9000"},
-            "at most 2,000 robots on a network of networkx",
-        ),
+        ({"topology": "{networkx='complete_graph'}", "robots": "9000"}, "at most 2,000 robots on a network of"),
         ({"robots": "20001"}, "robots = 20001: at most 20,000 robots can be watched"),
         ({"robots": "[3, 4]"}, "these values make 2 settings: should be one of each key"),
         ({"robots": "3", "swarm.robots": "4"}, "robots and swarm.robots are one key: give it once"),
@@ -254,7 +251,6 @@ def test_what_a_robot_heard_is_what_its_neighbours_said():
     assert told["fields"]["x_bar"] == pytest.approx(sum(o["said"]["heard_x"] for o in told["heard"]) / beta, rel=1e-12)
 
 
-@pytest.mark.interpreted
 def test_lost_messages_are_not_shown():
     show = show_of({"topology": "ring", "robots": "40", "link_success": "0.3"})
     shown = parsed(show.frames(list(range(1, 101))))

@@ -78,6 +78,7 @@ def test_live_page_of_a_running_swarm(started, tmp_path):
     assert not programs(tmp_path)
 
 
+@pytest.mark.long
 def test_the_page_goes_on_after_the_end_until_ctrl_c(started, tmp_path):
     process, served, _ = started("--set", "rounds=60", "--hz", "50", "--json")
     told = next(line for line in process.stderr if "goes on" in line)

@@ -16,7 +16,7 @@ from tests.support.places import DATA, ROOT
 
 STANDIN = ROOT / "tests" / "support" / "argos"
 TICKS = 60
-PROGRAMS = ("all.cc", "whole.cpp", "minimalistic.cpp", "first.cpp", "second.cpp")
+PROGRAMS = ("all.cc", "whole.cpp", "minimalistic.cpp")
 NEEDED = ["--target", "argos", "--accuracy", "{black = 0.9, white = 0.8}"]
 HOST = pytest.mark.skipif(not shutil.which("g++"), reason="needs g++")
 STUDY = """
@@ -48,9 +48,6 @@ def folder(tmp_path_factory):
     file = folder / "minimalistic.cpp"
     mark = re.search("define MARK 0x..", (folder / "whole.cpp").read_text())[0]
     file.write_text(re.sub("define MARK 0x..", mark, file.read_text()))
-    for own in ("first", "second"):  # as of two libraries
-        text = file.read_text().replace('"minimalistic"', '"twice"')
-        (folder / f"{own}.cpp").write_text(re.sub(r"minimalistic_\w{8}\b", own, text))
     sources = [path for path in folder.iterdir() if path.suffix in (".cpp", ".h")]
     for include in {name for path in sources for name in re.findall("<(argos3/.*)>", path.read_text())}:
         (folder / "include" / include).parent.mkdir(parents=True, exist_ok=True)
@@ -60,6 +57,7 @@ def folder(tmp_path_factory):
     parts = ["swarmcensus_robot.cpp", "swarmcensus_floor.cpp", STANDIN / "world.cpp"]
     (folder / "all.cc").write_text("".join(f'#include "{part}"\n' for part in parts))
     subprocess.run(["g++", *flags, *PROGRAMS, "-o", "world"], cwd=folder, check=True)
+    (folder / "command").write_text(json.dumps(["g++", *flags]))
     return folder
 
 
@@ -145,7 +143,15 @@ def test_messages_that_do_not_fit_are_refused(folder, tmp_path):
 
 
 @HOST
+@pytest.mark.long
 def test_two_libraries_with_one_name_are_refused(folder, tmp_path):
+    text = (folder / "minimalistic.cpp").read_text()
+    for own in ("first", "second"):
+        (folder / f"{own}.cpp").write_text(
+            re.sub(r"minimalistic_\w{8}\b", own, text.replace('"minimalistic"', '"twice"'))
+        )
+    command = json.loads((folder / "command").read_text())
+    subprocess.run([*command, "all.cc", "first.cpp", "second.cpp", "-o", "world"], cwd=folder, check=True)
     assert "two libraries have a controller" in live(folder, tmp_path, "twice")
 
 

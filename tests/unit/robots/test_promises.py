@@ -184,7 +184,7 @@ def estimate(me):
 """
 
 
-@pytest.mark.long(but_every=3)
+@pytest.mark.long(but=["pogobot"])
 @pytest.mark.parametrize("target", [name for name in PLUGINS.names if find(name).largest is not None])
 def test_messages_that_a_radio_does_not_hold_are_refused(refused, here, target):
     """As many numbers as fit are taken, and one more is not, in a message of a vector."""

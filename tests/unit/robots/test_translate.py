@@ -395,6 +395,7 @@ def test_a_brain_that_does_not_return_is_refused(here, refused, untraced):
         assert "'loop.py': seems not to keep the contract: fuse" in refused("deploy", "loop.py", "o", "--target", *end)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="a process is not forked there")
 def test_a_single_line_that_takes_for_ever_is_refused(here, untraced_processes):
     """In C no signal is handled: the check has a process of its own, which the system ends."""

@@ -78,14 +78,16 @@ def scheduler():
         yield cluster.scheduler_address
 
 
-def processes(count):
-    return distributed.LocalCluster(
-        n_workers=count,
-        threads_per_worker=1,
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",
-        silence_logs="CRITICAL",
-    )
+@pytest.fixture(scope="module")
+def near():
+    """The same with a worker in this process, which imports nothing again."""
+    with processes(1, processes=False, protocol="tcp") as cluster:
+        yield cluster.scheduler_address
+
+
+def processes(count, **more):
+    words = {"threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
+    return distributed.LocalCluster(n_workers=count, silence_logs="CRITICAL", **words, **more)
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +132,7 @@ def test_a_worker_that_is_killed_costs_nothing(here):
 def with_cards(monkeypatch):
     """Puts a card into each worker, or an error in place of it."""
     real = clusters.run_remotely
+    monkeypatch.setattr(devices, "the_card", devices.the_card)
 
     def put(card):
         def run_there(key, bundle, device="cpu"):
@@ -142,20 +145,20 @@ def with_cards(monkeypatch):
     return put
 
 
-def test_workers_use_their_cards(here, scheduler, with_cards):
+def test_workers_use_their_cards(here, near, with_cards):
     with_cards(Fuller())
-    on_cards = run(study(FIXED), cluster=scheduler, device="gpu")
+    on_cards = run(study(FIXED), cluster=near, device="gpu")
     assert same(on_cards, sc.run(study(FIXED), jobs=2))
     assert on_cards.attrs["device"] == "gpu"
 
 
-def test_workers_without_a_card_are_named_or_use_their_cpu(here, scheduler, with_cards, monkeypatch):
+def test_workers_without_a_card_are_named_or_use_their_cpu(here, near, with_cards, monkeypatch):
     with_cards(CardError("this machine has no NVIDIA card"))
     with pytest.raises(CardError, match=f"^the worker on {platform.node()}: this machine has no NVIDIA card$"):
-        run(study(FIXED), cluster=scheduler, device="gpu", out="s.nc")
+        run(study(FIXED), cluster=near, device="gpu", out="s.nc")
     assert not Path("s.nc").exists()
     monkeypatch.setattr("swarmcensus.gpu.choosing.WORTH", 0.0)
-    assert same(run(study(FIXED), cluster=scheduler, device="auto", out="s.nc"), sc.run(study(FIXED), jobs=2))
+    assert same(run(study(FIXED), cluster=near, device="auto", out="s.nc"), sc.run(study(FIXED), jobs=2))
 
 
 @pytest.mark.long
@@ -225,10 +228,11 @@ def test_without_dask_it_is_said_what_to_install(here, monkeypatch):
         run(study(FIXED), cluster="tcp://127.0.0.1:1")
 
 
-def test_workers_with_other_versions_are_refused(here, scheduler, monkeypatch):
-    monkeypatch.setattr(clusters, "__version__", "99.0")
+def test_workers_with_other_versions_are_refused(here, near, monkeypatch):
+    sent = clusters.payload_of
+    monkeypatch.setattr(clusters, "payload_of", lambda one: sent(one) | {"versions": {"swarmcensus": "99.0"}})
     with pytest.raises(InputError, match=rf"swarmcensus {sc.__version__} there, 99\.0 here"):
-        run(study(FIXED), cluster=scheduler)
+        run(study(FIXED), cluster=near)
 
 
 @pytest.mark.long

@@ -145,6 +145,7 @@ def test_ctrl_c_stops_a_batch(card):
     assert time.monotonic() - started < 1.0
 
 
+@pytest.mark.long
 def test_failing_trials_fail_as_on_the_cpu(card, here):
     (here / "fails.py").write_text(FAILS)
     study = study_of("fails.py", robots=4, rounds=80, trials=20, fill_ratio=0.3)
@@ -193,7 +194,6 @@ def test_verify_compares_a_card_with_the_cpu(made, card, here):
     assert bool(card.batches)
 
 
-@pytest.mark.interpreted
 @pytest.mark.parametrize(("brain", "differ"), [("minimalistic", TRIALS), ("sure", 0)])
 def test_only_brains_with_exp_may_round_otherwise(brain, differ, monkeypatch):
     put(monkeypatch, Rounding())
@@ -205,7 +205,6 @@ def test_only_brains_with_exp_may_round_otherwise(brain, differ, monkeypatch):
     assert len(verifying.verify(on_card, sample=1).differences) == max(differ, 1)
 
 
-@pytest.mark.interpreted
 def test_where_brains_may_round_otherwise_a_hundredth_of_times_may_differ(card):
     data = run(study_of("sure", robots=4, rounds=5, trials=50), device="gpu")
     data["convergence_round"][0, :2, 0] -= 1

@@ -28,13 +28,9 @@ def needed(data):
 
 @pytest.mark.parametrize(
     ("rule", "variable"),
-    [
-        ("convergence_error median +- 0.003", "convergence_error"),
-        ("convergence_round mean ± 2", "convergence_round"),
-        ("final_estimate mean +- 4e-3", "final_estimate"),
-        ("correct@20 mean +- 0.03", "correct"),
-    ],
-)
+    [("convergence_error median +- 0.003", "convergence_error"), ("convergence_round mean ± 2", "convergence_round"),
+     ("final_estimate mean +- 4e-3", "final_estimate"), ("correct@20 mean +- 0.03", "correct")],
+)  # fmt: skip
 def test_each_setting_gets_what_it_needs(rule, variable):
     asked = study(rule)
     data = sc.run(asked, jobs=2)

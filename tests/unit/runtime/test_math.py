@@ -76,10 +76,7 @@ def test_a_function_is_allowed_or_refused_with_its_line(name):
     ("line", "said"),
     [
         ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),
-        (
-            "pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))",
-            "* in a tuple, as in (*pair, 2.0): write its items one by one",
-        ),
+        ("pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))", "* in a tuple, as in (*pair, 2.0): write its items one"),
         ("me.x = (1.0, 0.5, 0.0)[::2][1]", "step in a slice, as in (1.0, 0.5, 0.0)[::2]: a loop over range is right"),
     ],
 )

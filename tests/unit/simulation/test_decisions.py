@@ -54,6 +54,7 @@ def test_what_nobody_decides_is_not_in_the_results():
     assert "done_estimate" in only
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("wrong", [0.01, 0.05])
 def test_error_rate_of_the_sequential_test(wrong):
     """600 robots alone: Wald's bound on the share of wrong decisions, and four standard errors; error rate 0.01 %."""

@@ -168,9 +168,9 @@ def test_components_are_those_of_networkx(seed, directed):
 @pytest.mark.parametrize(
     ("world", "said"),
     [
-        ({"topology": SPARSE, "robots": 40, "trials": 50},
-         r"'gnp_random_graph\(p=0.05\)' of 40 robots: 50 of 50 networks are not connected: "
-         r"[\d.]+ components on average, and a mean degree of 1.9\d"),
+        ({"topology": SPARSE, "robots": 40, "trials": 20},
+         r"'gnp_random_graph\(p=0.05\)' of 40 robots: 20 of 20 networks are not connected: "
+         r"[\d.]+ components on average, and a mean degree of 2$"),
         ({"topology": TWO}, "'two' of 5 robots: its network is not connected: 2 components, and a mean degree of 1.2"),
         ({"topology": {"name": "out", "edges": [[0, 1], [0, 2], [0, 3], [0, 4]], "directed": True}},
          "'out' of 5 robots: its network is not connected: 5 components, and a mean degree of 0.8"),

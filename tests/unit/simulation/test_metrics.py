@@ -30,6 +30,7 @@ def test_convergence_is_the_first_index_near_to_all_later_ones(curves, delta):
     assert metrics.convergence(curves, delta).tolist() == expected
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("estimates", "expected"),
     [
@@ -57,6 +58,7 @@ def test_agreement_is_within_delta_to_the_end(widths, expected):
     assert metrics.agreement(curves, 2 / 32) == expected
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("robots", [2, 3, 6, 21, 22, 45])
 @pytest.mark.parametrize("lying", [0, 2])
 def test_a_row_that_is_just_too_wide_is_found(robots, lying):

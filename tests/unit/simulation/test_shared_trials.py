@@ -58,7 +58,7 @@ def measured(batch):
 QUICK = ("2-9-False-full", "2-9-False-silent sums")
 
 
-@pytest.mark.long(but=[*QUICK, "3-2-True-drawing and deciding"])
+@pytest.mark.long(but=[*QUICK, "3-2-True-ring"])
 @pytest.mark.parametrize(("count", "rows", "local", "name"), WAYS)
 def test_threads_that_share_a_trial_give_its_bits(count, rows, local, name, monkeypatch):
     """However many they are, and where rounds run again for their curves."""

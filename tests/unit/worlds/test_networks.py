@@ -299,10 +299,7 @@ def test_a_label_names_a_topology_and_changes_no_number(value, tmp_path):
 @pytest.mark.parametrize(
     ("topologies", "said"),
     [
-        (
-            [{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}],
-            '"a": two topologies have this label or name',
-        ),
+        ([{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}], '"a": two topologies have this label'),
         (["ring", {"name": "line", "label": "ring"}], '"ring": this label is the name of another topology or floor'),
         (["ring", {"name": "ring", "label": "a"}], "world.topology have one name: ring, ring"),
         ({"name": "ring", "label": ""}, "label should be a text, and not empty"),

@@ -1,6 +1,7 @@
 """Bags of ROS 2: `infer` of a bag is, to the bit, `infer` of the same data as CSV files."""
 
 import random
+import shutil
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ TOPICS = ["--readings", "/robot_{robot}/floor", "--messages", "/robot_{robot}/he
 ROBOTS, STEPS = 4, 40
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def data():
     """Readings with gaps (step, robot), and messages as step, sender, receiver."""
     chance = np.random.default_rng(1)
@@ -73,37 +74,43 @@ def events_of(data, kind="Bool", heard="Int32MultiArray", jitter=0):
     return events
 
 
-def inferred(*arguments):
-    assert main(["infer", *map(str, arguments), "--accuracy", "0.8", "--out", "t.nc", "--plot", "t.svg"]) == 0
-    with xr.open_dataset("t.nc") as trace:
+def inferred(here, what, *options):
+    told = [here / what, *options, "--accuracy", 0.8, "--out", here / "t.nc", "--plot", here / "t.svg"]
+    assert main(["infer", *map(str, told)]) == 0
+    with xr.open_dataset(here / "t.nc") as trace:
         return trace.load()
+
+
+@pytest.fixture(scope="module")
+def csv(data, tmp_path_factory):
+    """A folder with the data as tables."""
+    here = tmp_path_factory.mktemp("csv")
+    write_rows(here / "o.csv", [f"robot {k}" for k in range(ROBOTS)], data[0])
+    write_rows(here / "l.csv", ["step", "sender", "receiver"], data[1])
+    write_rows(here / "ij.csv", ["i", "j"], np.array([[0, 1], [1, 2], [2, 3]]))
+    return here
+
+
+@pytest.fixture(scope="module")
+def from_csv(csv):
+    return inferred(csv, "o.csv", "--links", csv / "l.csv")
 
 
 @pytest.mark.parametrize(
     ("storage", "kind", "heard", "compressed"),
-    [
-        ("SQLITE3", "Bool", "Int32MultiArray", None),
-        ("SQLITE3", "UInt8", "String", "MESSAGE"),
-        ("MCAP", "Float32", "UInt16MultiArray", "STORAGE"),
-        ("MCAP", "Int32", "String", "FILE"),
-    ],
-)
-def test_a_bag_infers_what_its_csv_files_do(data, here, storage, kind, heard, compressed):
-    write(here / "bag", events_of(data, kind, heard, jitter=PERIOD // 3), storage, compressed)
-    write_rows("o.csv", [f"robot {k}" for k in range(ROBOTS)], data[0])
-    write_rows("l.csv", ["step", "sender", "receiver"], data[1])
-    from_csv = inferred("o.csv", "--links", "l.csv")
-    from_bag = inferred("bag", *TOPICS)
-    xr.testing.assert_identical(from_csv, from_bag)
+    [("SQLITE3", "Bool", "Int32MultiArray", None), ("SQLITE3", "UInt8", "String", "MESSAGE"),
+     ("MCAP", "Float32", "UInt16MultiArray", "STORAGE"), ("MCAP", "Int32", "String", "FILE")],
+)  # fmt: skip
+def test_a_bag_infers_what_its_csv_files_do(data, from_csv, tmp_path, storage, kind, heard, compressed):
+    write(tmp_path / "bag", events_of(data, kind, heard, jitter=PERIOD // 3), storage, compressed)
+    xr.testing.assert_identical(from_csv, inferred(tmp_path, "bag", *TOPICS))
     assert from_csv["estimate"].values[-1].std() > 0
 
 
-def test_links_of_a_file_go_with_readings_of_a_bag(data, here):
-    write(here / "bag", events_of(data))
-    write_rows("o.csv", [f"robot {k}" for k in range(ROBOTS)], data[0])
-    write_rows("l.csv", ["i", "j"], np.array([[0, 1], [1, 2], [2, 3]]))
-    from_bag = inferred("bag", *TOPICS[:2], *TOPICS[4:], "--links", "l.csv")
-    xr.testing.assert_identical(from_bag, inferred("o.csv", "--links", "l.csv"))
+def test_links_of_a_file_go_with_readings_of_a_bag(data, csv, tmp_path):
+    write(tmp_path / "bag", events_of(data))
+    from_bag = inferred(tmp_path, "bag", *TOPICS[:2], *TOPICS[4:], "--links", csv / "ij.csv")
+    xr.testing.assert_identical(from_bag, inferred(csv, "o.csv", "--links", csv / "ij.csv"))
 
 
 def test_the_last_reading_of_a_step_counts_and_is_sent(tmp_path):
@@ -238,16 +245,10 @@ FLOOR = "/robot_{robot}/floor"
         (["bag"], "bag: a bag needs --readings and --period"),
         (["bag", "--readings", FLOOR], "bag: a bag needs --period"),
         (["bag", "--readings", "/robot_0/floor", "--period", "1"], "should name a robot once as {robot}"),
-        (
-            ["bag", "--readings", "/r{robot}/x", "--period", "1"],
-            "there are /picture_0 (std_msgs/msg/String), /robot_0/",
-        ),
+        (["bag", "--readings", "/r{robot}", "--period", "1"], "there are /picture_0 (std_msgs/msg/String), /robot_0/"),
         (["bag", "--readings", FLOOR, "--period", "nan"], "--period nan"),
         (["bag", "--readings", FLOOR, "--period", "1e-8"], "steps of --period 1e-08: 10,000,000 at most"),
-        (
-            ["bag", "--readings", "/picture_{robot}", "--period", "1"],
-            "/picture_0 is of std_msgs/msg/String: --readings",
-        ),
+        (["bag", "--readings", "/picture_{robot}", "--period", "1"], "picture_0 is of std_msgs/msg/String: --readings"),
         (["bag", "--readings", "/robot_{robot}/grey", "--period", "1"], "/robot_0/grey: a reading of 7: should be 0"),
         (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", "/robot_{robot}/far"], "messages name 9, of which"),
         (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", FLOOR], "/robot_0/floor is of std_msgs/msg/Bool: --messages"),
@@ -262,18 +263,26 @@ FLOOR = "/robot_{robot}/floor"
         (["rows.db3", "--readings", FLOOR, "--period", "1"], "read whole (its last messages are in"),
     ],
 )
-def test_wrong_input_is_one_sentence(tmp_path, refused, arguments, expected):
+def test_wrong_input_is_one_sentence(wrong, tmp_path, refused, arguments, expected):
+    shutil.copytree(wrong, tmp_path, dirs_exist_ok=True)
+    assert expected in refused("infer", *arguments, "--accuracy", "0.8")
+
+
+@pytest.fixture(scope="module")
+def wrong(tmp_path_factory):
+    """A folder of bags, and of what is none."""
+    here = tmp_path_factory.mktemp("bags")
     events = [(START + k * 10**9, "/robot_0/floor", "Bool", True) for k in range(2)]
     events += [(START, "/robot_0/grey", "UInt8", 7), (START, "/robot_0/far", "Int32MultiArray", [9])]
     events += [(START, "/robot_0/heard", "Int32", 0), (START, "/picture_0", "String", "a cat")]
-    write(tmp_path / "bag", events)
-    (tmp_path / "empty").mkdir()
+    write(here / "bag", events)
+    (here / "empty").mkdir()
     for name in ("text.db3", "text.mcap"):
-        (tmp_path / name).write_text("hello")
-    (tmp_path / "o.csv").write_text("1\n")
-    short_bag(tmp_path / "one", "SQLITE3", "MESSAGE").rename(tmp_path / "one.db3")
-    short_bag(tmp_path / "all", "SQLITE3", "FILE").rename(tmp_path / "all.db3.zstd")
-    short_bag(tmp_path / "rows", "SQLITE3").rename(tmp_path / "rows.db3")
-    (tmp_path / "rows.db3-wal").write_bytes(b"rows")
-    checked_file(tmp_path / "json.mcap", "json")
-    assert expected in refused("infer", *arguments, "--accuracy", "0.8")
+        (here / name).write_text("hello")
+    (here / "o.csv").write_text("1\n")
+    short_bag(here / "one", "SQLITE3", "MESSAGE").rename(here / "one.db3")
+    short_bag(here / "all", "SQLITE3", "FILE").rename(here / "all.db3.zstd")
+    short_bag(here / "rows", "SQLITE3").rename(here / "rows.db3")
+    (here / "rows.db3-wal").write_bytes(b"rows")
+    checked_file(here / "json.mcap", "json")
+    return here

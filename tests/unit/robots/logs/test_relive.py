@@ -146,12 +146,9 @@ def test_replay_of_a_cut_log(tmp_path):
 
 @pytest.mark.parametrize(
     ("lost", "resumes", "expected"),
-    [
-        (1, 10, "tick 10 is not in the log"),
-        (3, 10, "ticks 10 to 12 are not in the log"),
-        (3, 2, "ticks 1 to 2 are not in the log"),
-    ],
-)
+    [(1, 10, "tick 10 is not in the log"), (3, 10, "ticks 10 to 12 are not in the log"),
+     (3, 2, "ticks 1 to 2 are not in the log")],
+)  # fmt: skip
 def test_ticks_after_a_loss_are_unknown_and_not_different(tmp_path, capsys, lost, resumes, expected):
     """Robot 1 loses ticks; in the last case the start of a life whose saved memory comes next."""
     _, _, swarm = logged(tmp_path / "day")
