@@ -401,8 +401,8 @@ def check(setting, trial, states, fields, estimates, batch, close):
 
 
 @pytest.mark.long(
-    only=["adds", "adds, late, 260", "all, 260", "mixed, late", "adds, passing and late", "all, late and lossy",
-          "adds, late and failing"]
+    only=["adds", "adds, late, 260", "adds, lossy", "mixed, 300", "all, 260", "mixed, late",
+          "adds, passing and late", "all, late and lossy", "adds, late and failing"]
 )  # fmt: skip
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_on_fixed_networks(name):

@@ -111,12 +111,14 @@ def within(share, expected, tries=20_000):
     return abs(share - expected) < 3.3 * math.sqrt(expected * (1 - expected) / tries)
 
 
+@pytest.mark.long(but=["1.0"])
 @pytest.mark.parametrize("off", [0.5, 1.0, 1.5])
 def test_power_of_six_trials(off):
     side = stats.norm.cdf(off)
     assert within(power(off, 6), side**6 + (1 - side) ** 6)
 
 
+@pytest.mark.long(only=["0.9-15"])
 @pytest.mark.parametrize(("off", "trials"), [(0.5, 30), (0.9, 15)])
 def test_power_is_near_that_of_the_paired_t_test(off, trials):
     """Ranks are worth 3 / pi of normal trials, for many of them; the number of trials ahead costs at most 10 points."""
@@ -201,7 +203,7 @@ def test_intervals_hold_the_truth(kind, trials, statistic):
     assert held < 0.99
 
 
-@pytest.mark.long(but=["skewed-6", "shares-6"])
+@pytest.mark.long(but=["shares-6"])
 @pytest.mark.parametrize("trials", [6, 20])
 @pytest.mark.parametrize("kind", ["skewed", "shares"])
 def test_independent_samples_that_do_not_differ(kind, trials):
@@ -218,6 +220,7 @@ def test_independent_samples_that_do_not_differ(kind, trials):
     assert ((low <= 0.5) & (high >= 0.5)).sum() >= least
 
 
+@pytest.mark.long(but=["(8, 40)"])
 @pytest.mark.parametrize("sizes", [(20, 20), (20, 60), (8, 40)], ids=str)
 def test_independent_samples_of_unequal_spread(sizes):
     numbers = np.full((TABLES, 2, max(sizes)), np.nan)
@@ -252,7 +255,7 @@ def normals(rng, trials):
     return rng.normal(size=(trials, 1))
 
 
-@pytest.mark.long(only=["final_estimate mean +- 0.47-normals-0.0-6-4000"])
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize(
     ("rule", "draw", "truth", "at_least", "times"),
     [
@@ -260,9 +263,9 @@ def normals(rng, trials):
         ("correct@9 mean +- 0.02", right(0.99), 0.99, 30, 1000),
         ("correct@9 mean +- 0.09", right(0.5), 0.5, 30, 1000),
         ("correct@9 mean +- 0.02", correlated(0.95), 0.95, 30, 1000),
-        ("convergence_error median +- 0.13", errors, 1.0, 30, 200),
-        ("convergence_error mean +- 0.12", errors, np.exp(1 / 8), 30, 1000),
         ("final_estimate mean +- 0.47", normals, 0.0, 6, 4000),
+        ("convergence_error mean +- 0.12", errors, np.exp(1 / 8), 30, 1000),
+        ("convergence_error median +- 0.13", errors, 1.0, 30, 200),
     ],
 )
 def test_the_interval_at_which_a_rule_ends(rule, draw, truth, at_least, times):
@@ -279,6 +282,7 @@ def test_the_interval_at_which_a_rule_ends(rule, draw, truth, at_least, times):
     assert hits >= stats.binom.ppf(1e-4, times, 0.95)
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.parametrize("trials", [6, 30])
 @pytest.mark.parametrize(
     ("draw", "statistic", "truth"), [(right(0.9), "share", 0.9), (errors, "median", 1.0), (normals, "mean", 0.0)]
