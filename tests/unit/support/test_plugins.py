@@ -302,7 +302,8 @@ def test_results_of_a_changed_file_are_not_mixed(files, package, done, here):
             code, said = next(found)
             assert code == 2
             assert [due in line for line in said.splitlines() if not line.startswith("warning: ")] == [True]
-        assert next(found) == [0, ""] or study != "measured"
+        code, said = next(found)  # a busy machine may be spoken of
+        assert (code, "its source" in said) == (0, False) or study != "measured"
     assert not Path("y.nc").exists()
 
 
