@@ -72,8 +72,8 @@ def test_number_formats_against_the_reference(numbers):
 @pytest.mark.parametrize("which", range(5), ids=lambda which: str(EVERY[which]))
 def test_compiled_number_formats_against_the_reference(which):
     numbers, every = EVERY[which], [name for name in brains.shipped() if name not in ("oracle", "leaver")]
-    if which != 1:  # in CPython all are tried: as machine code, all in one combination, and a fourth in each other one
-        every = every[which - (which > 1) :: 4]
+    # in CPython all are tried; as machine code each brain in single precision, and an eighth in double precision
+    every = every[which::4] if numbers.precision == "single" else every[::8]
     lives_as_the_reference(
         settings_of(robots=6, brain=every, rounds=60, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(numbers))
     )
@@ -233,23 +233,13 @@ CASES = [
     {"robots": 4, "topology": ONE_WAY, "link_success": [0.7, 1.0]},
     {"robots": 4, "accuracy": {"black": "N(0.8, 0.1)", "white": 0.6}, "assumed_accuracy": {"error": "U(-0.2, 0.1)"}},
     {"robots": 260, "rounds": 2, "accuracy": "U(0.6, 0.8)", "looks": 17},
-    {
-        "robots": 5,
-        "topology": ["ring", "full"],
-        "looks": 3,
-        "fill_ratio": {"from": 0.9, "to": 0.2, "at": 3, "until": 6},
-        "accuracy": {"start": "U(0.7, 0.9)", "drift": -0.02, "least": 0.6},
-    },
-    {
-        "robots": 6,
-        "topology": ["ring", "full"],
-        "brain": ["commons", "legacy"],
-        "looks": 3,
-        "rounds": 9,
-        "message_delay": [1, 4],
-    },
+    {"robots": 5, "topology": ["ring", "full"], "looks": 3,
+     "fill_ratio": {"from": 0.9, "to": 0.2, "at": 3, "until": 6},
+     "accuracy": {"start": "U(0.7, 0.9)", "drift": -0.02, "least": 0.6}},
+    {"robots": 6, "topology": ["ring", "full"], "brain": ["commons", "legacy"], "looks": 3, "rounds": 9,
+     "message_delay": [1, 4]},
     {"robots": 258, "topology": "line", "rounds": 3, "faults": [FAULTS[0] | {"robots": 0.5}], "link_success": 0.9},
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("case", CASES, ids=range(len(CASES)))
@@ -328,27 +318,21 @@ FUNCTIONS = {
     "adds, lossy": (ADDS, {"robots": 6, "topology": ["full", "line"], "link_success": 0.6}),
     "adds, failing": (ADDS, {"robots": 6, "topology": ["full", "ring"], "faults": FAULTS}),
     "all, passing": (ALL, {"robots": 6, "topology": ["full", "line"], "link_success": [1.0, 0.6], "faults": PASSING}),
-    "adds, passing and late": (
-        ADDS,
-        {"robots": 6, "topology": ["full", "ring"], "faults": PASSING, "message_delay": [0, 2]},
-    ),
+    "adds, passing and late": (ADDS,
+                               {"robots": 6, "topology": ["full", "ring"], "faults": PASSING, "message_delay": [0, 2]}),
     "all, late": (ALL, {"topology": ["full", "ring"], "message_delay": [1, 3]}),
-    "all, late and lossy": (
-        ALL,
-        {"topology": ["full", "line"], "message_delay": 2, "link_success": 0.6, "faults": FAULTS},
-    ),
+    "all, late and lossy": (ALL,
+                            {"topology": ["full", "line"], "message_delay": 2, "link_success": 0.6, "faults": FAULTS}),
     "adds, late": (ADDS, {"robots": [1, 6], "topology": ["full", "scale-free"], "message_delay": [2, 7]}),
     "adds, late, 260": (ADDS, {"robots": 260, "rounds": 5, "topology": ["full", "ring"], "message_delay": 2}),
-    "adds, late and lossy": (
-        ADDS,
-        {"robots": 6, "topology": ["full", "line"], "link_success": 0.6, "message_delay": 3},
-    ),
+    "adds, late and lossy": (ADDS,
+                             {"robots": 6, "topology": ["full", "line"], "link_success": 0.6, "message_delay": 3}),
     "adds, late and failing": (ADDS, {"robots": 6, "topology": ["full", "ring"], "faults": FAULTS, "message_delay": 1}),
     "mixed, late": (ALL, {"robots": 7, "topology": ["full", "ring"], "members": SOME, "message_delay": 2}),
     "mixed": (ALL, {"robots": 7, "topology": ["full", "ring", "scale-free"], "members": SOME}),
     "mixed, lossy": (ALL, {"robots": 7, "topology": ["full", "ring"], "members": SOME, "link_success": 0.6}),
     "mixed, 300": (ALL, {"robots": 300, "rounds": 3, "topology": "line", "members": SOME, "faults": FAULTS[::2]}),
-}
+}  # fmt: skip
 RIDES = {
     "all": (ALL, {}),
     "all, late and lossy": (ALL, {"body": {"message_delay": 3}, "link_success": 0.7, "faults": FAULTS}),
@@ -401,8 +385,8 @@ def check(setting, trial, states, fields, estimates, batch, close):
 
 
 @pytest.mark.long(
-    only=["adds", "adds, late, 260", "all, 260", "mixed, late", "adds, passing and late", "all, late and lossy",
-          "adds, late and failing"]
+    only=["adds", "adds, late, 260", "adds, lossy", "mixed, 300", "all, 260", "mixed, late",
+          "adds, passing and late", "all, late and lossy", "adds, late and failing"]
 )  # fmt: skip
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_on_fixed_networks(name):

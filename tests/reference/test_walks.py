@@ -29,17 +29,14 @@ BODIES = {
     "fast": ({"speed": 0.9, "turn_speed": 0.3, "radio_range": 0.5, "straight_mean": 5.0}, 5, 5.0, 20),
     "stuck": ({"turn_speed": 0.0005, "straight_mean": 100.0}, 3, 35.0, 75),
     "keen eyes": (
-        {"proximity_range": 0.3, "proximity_near": 0.1, "avoid_within": 60.0, "avoid_above": 0.05},
-        5,
-        20.0,
-        15,
-    ),
+                  {"proximity_range": 0.3, "proximity_near": 0.1, "avoid_within": 60.0, "avoid_above": 0.05},
+                  5, 20.0, 15),
     "eyes all round": ({"avoid_within": 180.0}, 9, 30.0, 20),
     "lazy": ({"turn_most": 0, "straight_mean": 1.0}, 3, 6.0, 15),
     "leaping": ({"speed": 9.0, "straight_mean": 60.0}, 9, 45.0, 8),
     "many": ({}, 50, 20.0, 2),
     "many, far apart": ({"speed": 0.9}, 60, 2.0, 5),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -61,6 +61,7 @@ def test_dependent_readings_count_as_fewer(correlation):
     assert covered(b, right, 1000, 1000) < 0.88
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize(
     ("robots", "readings", "spread"),
     [(20, 1000, 0.005), (10, 1000, 0.01), (5, 1000, 0.01), (20, 200, 0.02), (20, 1000, 0.0)],
@@ -77,6 +78,7 @@ def test_intervals_of_drawn_shares_cover_each_robots_own(robots, readings, sprea
     assert np.std(found) / math.sqrt(1500) < 0.0032
 
 
+@pytest.mark.long(only=["0.999"])
 @pytest.mark.parametrize("b", [0.85, 0.999])
 def test_both_tests_keep_their_level(b):
     """Of 1,500 calibrations of ten equal robots with independent readings."""
@@ -130,6 +132,7 @@ def test_so_many_readings_more_make_an_interval_as_narrow(right, width):
         assert (high - low <= width) == is_narrow
 
 
+@pytest.mark.long(only=["0.9"])
 @pytest.mark.parametrize("f", [0.2, 0.9])
 def test_the_added_error_is_that_of_simulated_swarms(f):
     """Sensors are drawn about what robots assume; the rest of the error is that of robots who know theirs.

@@ -112,7 +112,7 @@ def test_cross_inhibition_with_wrong_messages():
     Direct switching stays near one half.
     """
     given = TIMES | {"miscommunication": 0.15, "weighted": 0.0, "disseminate": 4.0, "explore": 4.0}
-    opinions = run("cross-inhibition", 40, 200, 600, 1, 0.5, uncommitted=2.0, **given)["decision"].values
+    opinions = run("cross-inhibition", 40, 200, 300, 1, 0.5, uncommitted=2.0, **given)["decision"].values
     majority, none = fixed_point(0.15, mean_of(2.0) / mean_of(4.0))
     assert majority == pytest.approx(0.9518, abs=1e-4)
     has = (opinions >= 0).sum(axis=1)

@@ -145,13 +145,10 @@ FAULTS = [
     # random draws do not hide it
     (ORDER, hears("me.x = me.luck\n    me.n = message[0]"), "the order of messages should not matter"),
     (ORDER, hears("me.n = message[0] if me.luck < 0.5 else me.n"), "me.n.* the order of messages should not matter"),
-    (
-        AT_ONCE,
-        own("me.heard += me.luck < 0.9 ** looks"),
-        "me.heard a number of mean .* of 10 readings at once, .* of the same in two",
-    ),
+    (AT_ONCE, own("me.heard += me.luck < 0.9 ** looks"),
+     "me.heard a number of mean .* of 10 readings at once, .* of the same in two"),
     (AT_ONCE, own("me.x += me.luck"), "me.x a number of mean"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("promise", "changes", "said"), FAULTS)
@@ -312,18 +309,14 @@ def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
-        (
-            "    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n",
-            "it did not end within 0.5 s: observe has not returned, at line 13$",
-        ),
-        (
-            "    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
-            r"it did not end within 0.5 s: observe has not returned, at line 1[67] in rest$",
-        ),
+        ("    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n",
+         "it did not end within 0.5 s: observe has not returned, at line 13$"),
+        ("    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
+         r"it did not end within 0.5 s: observe has not returned, at line 1[67] in rest$"),
         ("    me.n += 0.0 * (1 << 10**11)\n", "observe fails at line 12 .*(MemoryError|OverflowError)"),
     ],
     ids=["power", "in a function", "too large"],
-)
+)  # fmt: skip
 def test_a_function_that_does_not_return_is_named(lines, said, here, monkeypatch):
     """Endless loops, numbers of a hundred million digits, and what brings the process down; in a folder of any name."""
     Path("bräin").mkdir()

@@ -171,11 +171,7 @@ def test_leaderboard_command_shows_ranks_and_losses(small, accepted, benchmark):
     command = ["leaderboard", "mine.py", "--out", "out", "--trials", "3"]
     shown = accepted(*command).out
     assert shown.splitlines()[-2:] == ["out/data/mine.nc", "out/data/shipped.nc"]
-    assert re.search(
-        r"^mine.py is number [12] of 2(; it loses most in '(networks|moving)')?$",
-        shown,
-        re.MULTILINE,
-    )
+    assert re.search(r"^mine.py is number [12] of 2(; it loses most in '(networks|moving)')?$", shown, re.MULTILINE)
     found = json.loads(accepted(*command, "--json").out, parse_constant=pytest.fail)
     rows = [line.split() for line in shown.splitlines()]
     rows = rows[next(k for k, words in enumerate(rows) if "brain" in words) :]

@@ -9,12 +9,8 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 
-BASE = {
-    "trials": 1,
-    "swarm": {"robots": [10, 20], "accuracy": 0.7},
-    "world": {"topology": "ring", "fill_ratio": 0.5},
-    "schedule": {"rounds": 50},
-}
+BASE = {"trials": 1, "swarm": {"robots": [10, 20], "accuracy": 0.7},
+        "world": {"topology": "ring", "fill_ratio": 0.5}, "schedule": {"rounds": 50}}  # fmt: skip
 MOVING = BASE | {"world": {"topology": "moving", "fill_ratio": 0.5}, "schedule": {"ticks": 50}}
 
 

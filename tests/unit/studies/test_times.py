@@ -11,11 +11,8 @@ from swarmcensus.studies import addresses
 from swarmcensus.support.times import parse_time
 from tests.support.small import changing
 
-STUDY = {
-    "trials": 1,
-    "swarm": {"robots": 5, "accuracy": 0.7},
-    "world": {"topology": "moving", "side": 3, "fill_ratio": 0.5},
-}
+STUDY = {"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7},
+         "world": {"topology": "moving", "side": 3, "fill_ratio": 0.5}}  # fmt: skip
 
 
 def study(world={}, **tables):  # noqa: B006

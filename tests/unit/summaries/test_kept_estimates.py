@@ -6,20 +6,12 @@ import xarray as xr
 
 import swarmcensus as sc
 
-FIXED = {
-    "seed": 3,
-    "trials": 3,
-    "swarm": {"robots": [4, 9], "accuracy": [0.7, 0.95]},
-    "world": {"topology": ["full", "ring"], "fill_ratio": 0.55},
-    "schedule": {"rounds": [20, 40], "observations_per_round": 5},
-}
-MOVING = {
-    "seed": 3,
-    "trials": 2,
-    "swarm": {"robots": [5, 8], "accuracy": 0.9},
-    "world": {"topology": "moving", "density": 4, "fill_ratio": 0.55, "floor": ["tiles", "half"]},
-    "schedule": {"ticks": 60},
-}
+FIXED = {"seed": 3, "trials": 3, "swarm": {"robots": [4, 9], "accuracy": [0.7, 0.95]},
+         "world": {"topology": ["full", "ring"], "fill_ratio": 0.55},
+         "schedule": {"rounds": [20, 40], "observations_per_round": 5}}  # fmt: skip
+MOVING = {"seed": 3, "trials": 2, "swarm": {"robots": [5, 8], "accuracy": 0.9},
+          "world": {"topology": "moving", "density": 4, "fill_ratio": 0.55, "floor": ["tiles", "half"]},
+          "schedule": {"ticks": 60}}  # fmt: skip
 
 
 def measured(tables, **measure):

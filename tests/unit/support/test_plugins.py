@@ -271,35 +271,40 @@ def test_trials_are_verified_bit_for_bit(installed, done, share):
         assert sc.verify(done / f"{name}.nc", share).differences == []
 
 
+CHANGED = {
+    "cylinder": ("fixed", dict.fromkeys(AGAIN, "the topology cylinder of meadow was changed since")),
+    "hills": ("moving", dict.fromkeys(AGAIN, "the floor hills of meadow was changed since")),
+    "beta": ("fixed", dict.fromkeys(AGAIN, "the spread beta of meadow was changed since")),
+    "stubborn": ("measured", {"run": "the brain stubborn of meadow was", "verify": "brain 'stubborn': its source"}),
+    "lowest": ("measured", {"run": "is of another run: metrics is", "verify": "metric 'lowest': its source has"}),
+}
+
+
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("study", "file", "refusals"),
-    [
-        ("fixed", "cylinder", dict.fromkeys(AGAIN, "the topology cylinder of meadow was changed since")),
-        ("moving", "hills", dict.fromkeys(AGAIN, "the floor hills of meadow was changed since")),
-        ("fixed", "beta", dict.fromkeys(AGAIN, "the spread beta of meadow was changed since")),
-        ("measured", "stubborn", {"run": "the brain stubborn of meadow was", "verify": "brain 'stubborn': its source"}),
-        ("measured", "lowest", {"run": "is of another run: metrics is", "verify": "metric 'lowest': its source has"}),
-    ],
-    ids=["topology", "floor", "spread", "brain", "metric"],
-)
-def test_results_of_a_changed_file_are_not_mixed(study, file, refusals, package, done, here):
+@pytest.mark.parametrize("files", [("cylinder", "hills", "stubborn"), ("beta", "lowest")], ids=" ".join)
+def test_results_of_a_changed_file_are_not_mixed(files, package, done, here):
     shutil.copytree(package, "site")
-    shutil.copy(done / f"{study}.nc", "x.nc")
-    path = Path("site", "meadow", f"{file}.py")
-    Path("given.py").write_text(path.read_text())
-    path.write_text(path.read_text() + "# a word more\n")
-    commands = {
-        "run": ("run", done / f"{study}.toml", "--out", "x.nc"), "merge": ("merge", "x.nc", "--out", "y.nc"),
-        "replay": ("replay", "x.nc", "--setting", 0, "--trial", 0), "verify": ("verify", "x.nc", "--sample", 1),
-    }  # fmt: skip
-    given = (*commands["verify"], "--brain-file", "given.py")
-    *found, last = elsewhere(here / "site", *(commands[name] for name in refusals), given)
-    for (code, said), due in zip(found, refusals.values(), strict=True):
-        assert code == 2
-        assert [due in line for line in said.splitlines() if not line.startswith("warning: ")] == [True]
+    commands = []
+    for file in files:  # each of a study of its own
+        study, refusals = CHANGED[file]
+        path, used, given = Path("site", "meadow", f"{file}.py"), f"{file}.nc", f"given_{file}.py"
+        shutil.copy(done / f"{study}.nc", used)
+        shutil.copy(path, given)
+        path.write_text(path.read_text() + "# a word more\n")
+        every = {
+            "run": ("run", done / f"{study}.toml", "--out", used), "merge": ("merge", used, "--out", "y.nc"),
+            "replay": ("replay", used, "--setting", 0, "--trial", 0), "verify": ("verify", used, "--sample", 1),
+        }  # fmt: skip
+        commands += [every[name] for name in refusals] + [(*every["verify"], "--brain-file", given)]
+    found = iter(elsewhere(here / "site", *commands))
+    for study, refusals in (CHANGED[file] for file in files):
+        for due in refusals.values():
+            code, said = next(found)
+            assert code == 2
+            assert [due in line for line in said.splitlines() if not line.startswith("warning: ")] == [True]
+        code, said = next(found)  # a busy machine may be spoken of
+        assert (code, "its source" in said) == (0, False) or study != "measured"
     assert not Path("y.nc").exists()
-    assert last == [0, ""] or study != "measured"
 
 
 def test_results_of_a_missing_package_are_readable(done, refused):

@@ -280,6 +280,7 @@ def test_asymptote_maximises_the_expected_likelihood(seed):
         assert asymptote(b, w, assumed_b, assumed_w, f) == pytest.approx(found, abs=1e-4)
 
 
+@pytest.mark.interpreted
 def test_asymptote_of_expected_readings():
     """A hundred readings, of which the very share that is expected says black, in the brain itself."""
     cases = [(0.8, 0.6, 0.7, 0.75, 0.5), (0.7, 0.7, 0.6, 0.6, 0.9), (0.9, 0.9, 0.3, 0.3, 0.4)]

@@ -39,12 +39,8 @@ from swarmcensus.worlds.bodies import Body
 from tests.support import small
 
 QUIET = {"progress": lambda _: None}
-RING = {
-    "trials": 100,
-    "swarm": {"robots": 10, "brain": "commons", "accuracy": 0.7},
-    "world": {"topology": "ring", "fill_ratio": 0.55},
-    "wanted": {"error": 0.05},
-}
+RING = {"trials": 100, "swarm": {"robots": 10, "brain": "commons", "accuracy": 0.7},
+        "world": {"topology": "ring", "fill_ratio": 0.55}, "wanted": {"error": 0.05}}  # fmt: skip
 YARD = with_values(RING, {"world": {"side": 1.5, "fill_ratio": 0.55}, "robots": 4})
 
 

@@ -210,13 +210,13 @@ def test_swarm_that_never_learns_is_not_the_soonest(tmp_path):
 def test_failed_trials_are_borne_and_avoided(tmp_path):
     """Above 90 `many` divides by zero: such candidates lose, and the search goes on."""
     study = study_of(tmp_path, "many = 60.0")
-    found = sc.tune(study, ["many=40:200"], budget=61, trials=2)
+    found = sc.tune(study, ["many=40:200"], budget=25, trials=2)
     failed = [one for one in found.evaluations if one.failed]
     assert failed
     assert all(one.values[0] > 90 and one.loss == 1.0 and one.failed == 2 for one in failed)
     assert found.values["many"] < 60
     with pytest.raises(InputError, match="ZeroDivisionError: division by zero"):
-        sc.tune(study_of(tmp_path, "many = 99.0"), ["many=40:200"], budget=61, trials=2)
+        sc.tune(study_of(tmp_path, "many = 99.0"), ["many=40:200"], budget=25, trials=2)
 
 
 def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
@@ -238,11 +238,11 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
 
 def test_several_worlds_have_equal_weight_and_are_listed(tmp_path):
     study = study_of(tmp_path, "a = 0.1, noise = 0.02", accuracy="[0.8, 0.9]", seed=3)
-    found = sc.tune(study, ["a=0:1"], budget=61, trials=3)
+    found = sc.tune(study, ["a=0:1"], budget=37, trials=3)
     assert "over all 2 worlds: better in 100%, worse in 0% of trials, p < 0.001" in found.sentences[0]
     assert [row["accuracy"] for row in found.rows] == ["0.8", "0.9"]
     assert found.verdict == "better"
-    back = sc.tune(study_of(tmp_path, "a = 0.6, noise = 0.02", accuracy="[0.8, 0.9]"), ["a=0:0.3"], budget=61, trials=3)
+    back = sc.tune(study_of(tmp_path, "a = 0.6, noise = 0.02", accuracy="[0.8, 0.9]"), ["a=0:0.3"], budget=37, trials=3)
     assert back.verdict == "worse"
     assert "There is no evidence that its values are worth anything" in back.text
 
@@ -294,7 +294,7 @@ def test_robots_that_move_share_their_walks(tmp_path):
 
 def test_values_that_change_nothing_are_no_finding(tmp_path):
     study = study_of(tmp_path, "a = 0.1")
-    found = sc.tune(study, ["a=0:1", "idle=0:10", "shift=0:1"], budget=200, trials=2)
+    found = sc.tune(study, ["a=0:1", "idle=0:10", "shift=0:1"], budget=121, trials=2)
     assert found.values["a"] == pytest.approx(0.6, abs=0.05)
     assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
     assert found.notes[0] == "idle changes nothing in final_error, and stays at 1"
