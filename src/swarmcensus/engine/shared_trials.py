@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.engine.calling import count_up, counted, pass_gate
+from swarmcensus.engine.calling import count_up, counted, pass_gate, place, seen_as
 from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import BLOCK
 
@@ -107,7 +107,8 @@ def share_of(team, size):
 @loop()
 def copy_together(team, target, source):
     """Copy an array; all wait until it is whole."""
-    there, here = target.reshape(-1), source.reshape(-1)
+    there, here = place(target, 0), place(source, 0)
+    there, here = seen_as(there, target.size, target.dtype), seen_as(here, source.size, source.dtype)
     first, last = share_of(team, here.size)
     copy_all(there[first:last], here[first:last])
     wait(team)
