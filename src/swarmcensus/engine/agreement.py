@@ -6,6 +6,7 @@ between two of the estimates, linear as in NumPy.
 
 import numpy as np
 
+from swarmcensus.engine.calling import place, seen_as
 from swarmcensus.engine.compiling import loop
 
 TAIL = 0.05  # share of robots beyond each quantile
@@ -71,10 +72,10 @@ def _are_near(rows, honest, count, low, high):
     lower, upper = _places(count)
     above = below = 0
     if honest.size == 0:
-        flat = rows.reshape(-1)
-        for k in range(flat.size):
-            above += flat[k] >= low
-            below += flat[k] <= high
+        estimates = seen_as(place(rows, 0), rows.size, np.float64)
+        for k in range(estimates.size):
+            above += estimates[k] >= low
+            below += estimates[k] <= high
     else:
         for r in range(rows.shape[0]):
             row = rows[r]
@@ -109,7 +110,7 @@ def _are_inside(row, honest, count, a, b, c, d):
 @loop()
 def _around_quantiles(row, honest, room):
     """The two honest estimates around each quantile, in order, and half the distance of the quantiles."""
-    count = 0
+    count = np.int64(0)
     for i in range(row.size):
         if honest.size == 0 or honest[i]:
             room[count] = row[i]

@@ -18,6 +18,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic
+from numba.np.arrayobj import np_cfarray
 
 from swarmcensus.engine.code_cache import not_compiled
 from swarmcensus.engine.compiling import INSIDE, whole
@@ -85,6 +86,12 @@ def _machine_place(typing, items, first):
         return builder.bitcast(place, cgutils.voidptr_t)
 
     return ARRAY(items, first), generate
+
+
+@intrinsic
+def _machine_view(typing, items, shape, dtype):
+    dimensions = len(shape) if isinstance(shape, types.BaseTuple) else 1
+    return types.Array(dtype.dtype, dimensions, "C")(items, shape, dtype), np_cfarray
 
 
 @intrinsic
@@ -164,7 +171,7 @@ def _plain_view(items, shape, dtype):
 # a state of zeros on the stack, which the compiler keeps in registers
 PLAIN = not_compiled()
 call = (lambda function, *arguments: function(*arguments)) if PLAIN else _machine_call
-seen_as = _plain_view if PLAIN else numba.carray
+seen_as = _plain_view if PLAIN else _machine_view
 blank_state = (lambda dtype: np.zeros(1, dtype)[0]) if PLAIN else _machine_blank
 place = (lambda items, first: items.reshape(-1)[int(first) :]) if PLAIN else _machine_place
 word_at = (

@@ -169,7 +169,7 @@ def hear_singly(arguments, tick, said, group, first, last):
     radio, stops, trial = of.radio, of.stops, of.trial
     counts, tick, first, last = of.tally.counts, np.int64(tick), np.int64(first), np.int64(last)
     arrivals, outbox, signals, draws = work.arrivals, states.outbox, states.signals, work.draws[2]
-    count = 0
+    count = np.int64(0)
     for link in range(first, last):
         to, by = np.int64(graph.receivers[link]), np.int64(graph.senders[link])
         if is_said(signals, said + np.uint64(by)) and arrives(radio, trial, tick, to, by, stops):
@@ -181,7 +181,7 @@ def hear_singly(arguments, tick, said, group, first, last):
     if swarm.jams:
         count = take_drowned_away(signals, said, graph, arrivals, count, stops, tick - radio.delay, counts)
     if swarm.draws.size > 0:
-        draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
+        draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], np.int64(0), count, draws)
     base, robots = place(states.memory, swarm.bases[group]), states.memory.shape[0]
     call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 
@@ -203,7 +203,7 @@ def hear_pairs(arguments, tick, said):
         for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
             if stop[0] != 0:
                 return
-            count = 0
+            count = np.int64(0)
             if noises > 0 and noises > is_noise(signals, said, i, stops, said_at):  # another robot's noise
                 continue
             for j in range(robots):
@@ -214,7 +214,7 @@ def hear_pairs(arguments, tick, said):
             if counts.shape[1] > 0:
                 counts[HEARD, i] += count
             if swarm.draws.size > 0:
-                draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
+                draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], np.int64(0), count, draws)
             base = place(states.memory, swarm.bases[group])
             call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 

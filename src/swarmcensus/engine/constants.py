@@ -1,5 +1,7 @@
 """Numbers that the engine's files share."""
 
+import numpy as np
+
 # how messages travel in a round: along listed links, from all to all as sums, or between all pairs one by one
 LISTED, FULL, PAIRS = 0, 1, 2
 
@@ -16,8 +18,8 @@ SENT, HEARD, CLIPPED = 0, 1, 2
 # what a robot does in a round. Noise drowns all other messages that reach the same robot
 SILENT, SAID, NOISE = 0, 1, 2
 
-# the parts of a robot that may fail
-MOVING, SENSING, TALKING = 0, 1, 2
+# the parts of a robot that may fail; no literals, for each of which Numba would compile what takes it
+MOVING, SENSING, TALKING = np.arange(3)
 PARTS = 3
 NEVER = 1 << 62
 

@@ -1,12 +1,14 @@
 """Functions that become machine code only inside the functions that call them, which saves a fifth of compiling.
 
 Numba by itself makes machine code of each function before it becomes part of its callers. It also optimises functions
-that are only declared, and one that becomes no part of others twice: alone, and then with its parts. All else is done
-as Numba does it: code that is optimised less before it becomes part of its callers is up to a third slower.
+that are only declared, and one that becomes no part of others again and again: alone, with its parts, and with each
+function that calls it. All else is done as Numba does it: code that is optimised less before it becomes part of its
+callers is up to a third slower.
 """
 
 import inspect
 import types
+from itertools import islice
 from typing import Any
 
 import numba
@@ -18,12 +20,43 @@ from numba.core.registry import CPUDispatcher
 IS_KNOWN = "llvm_module" not in inspect.signature(CPUCodegen._function_pass_manager).parameters
 
 
+LARGE = 150  # instructions of a function that LLVM makes no part of its callers, unless it has to
+
+
 class _Library(JITCodeLibrary):
-    """What LLVM knows of a function and of those that it calls."""
+    """What LLVM knows of a function and of those that it calls: they become parts of it now, or large ones later."""
+
+    def __init__(self, *given: Any) -> None:
+        """Know nothing yet."""
+        super().__init__(*given)
+        self.now: dict[Any, None] = {}
+        self.later: dict[Any, None] = {}
+
+    def add_linking_library(self, library: Any) -> None:
+        """Add a function that this one calls."""
+        library._ensure_finalized()
+        self._reload_init.update(library._reload_init)
+        self.later.update(getattr(library, "later", {}))
+        (self.later if getattr(library, "is_large", False) else self.now)[library] = None
 
     def _optimize_functions(self, ll_module: Any) -> None:
         """Leave all to the passes over the whole: with these alone LLVM takes a seventh less."""
         ll_module.data_layout = self._codegen._data_layout
+
+    def _optimize_final_module(self) -> None:
+        """Put together what is not large, and optimise it."""
+        _link(self._final_module, self.now)
+        super()._optimize_final_module()
+
+    def _finalize_final_module(self) -> None:
+        """Make machine code of the whole."""
+        _link(self._final_module, self.later)
+        super()._finalize_final_module()
+
+
+def _link(module: Any, libraries: dict[Any, None]) -> None:
+    for library in reversed(libraries):  # LLVM adds only what is called by what is there
+        module.link_in(JITCodeLibrary._get_module_for_linking(library), preserve=True)
 
 
 class _Part(_Library):
@@ -40,12 +73,21 @@ class _Part(_Library):
                 passes.run(function, builder)
 
     def finalize(self) -> None:
-        """Put together what callers need, and optimise it."""
-        for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        """Optimise the function, and see how large it has become."""
         self._optimize_final_module()
         self._finalized = True
+        made = [function for function in self._final_module.functions if not function.is_declaration]
+        lines = (line for function in made for block in function.blocks for line in block.instructions)
+        forced = any(b"alwaysinline" in b" ".join(function.attributes) for function in made)
+        self.is_large = not forced and any(islice(lines, LARGE, None))
+
+    def _get_module_for_linking(self) -> Any:
+        """The function with large ones that it calls, for code that is not the engine's."""
+        module = super()._get_module_for_linking()
+        if self.later:
+            module = module.clone()
+            _link(module, self.later)
+        return module
 
     def get_pointer_to_function(self, name: str) -> int:
         """Null: nobody calls a part by its address."""

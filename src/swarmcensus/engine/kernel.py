@@ -130,8 +130,10 @@ def simulate(
             call(helpers[COUNT_AHEAD], arguments, rounds)
             wait(team)
             agreement[trial] = 0.0
-            if are_numbers(team, swarm, start, 1, robots, 0, wrong, answer):
-                agreement[trial] = agreed_together(team, swarm, start, 1, 0, delta, order, 0.0, answer)
+            if are_numbers(team, swarm, start, np.int64(1), robots, np.int64(0), wrong, answer):
+                agreement[trial] = agreed_together(
+                    team, swarm, start, np.int64(1), np.int64(0), delta, order, 0.0, answer
+                )
             for i in range(begin, end):
                 low[i] = np.inf
                 high[i] = -np.inf

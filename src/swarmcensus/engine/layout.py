@@ -107,11 +107,11 @@ class Segments(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Room to work in, for a block of robots, or for all that go alone; a thread that shares trials has its own."""
+    """Room to work in, for a block of robots, or for all that go alone or move; each thread has its own."""
 
     blacks: np.ndarray  # (robot): how many readings of a round are black
     bits: np.ndarray  # (robot): random words
-    single: np.ndarray  # (robot): single readings; no robots if they do not go alone
+    single: np.ndarray  # (robot): single readings; no robots if they do neither
     draws: np.ndarray  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
     sums: np.ndarray  # (block, byte): sums of messages of blocks of a full network, see `brain_calls.hear_all`
     partial: np.ndarray  # (2 x block, byte): sums of the blocks before and after each

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from swarmcensus.engine.compiling import compiled
+from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import (
     AVOIDING,
     COS,
@@ -38,7 +38,7 @@ SWEEPS = 400
 STRAIGHT_SWEEPS = 100  # then pushes are tilted by 45 degrees, so that a row jammed along a wall bends
 
 
-@compiled
+@loop(forceinline=True)
 def walls_along(k, dx, dy, x, y, half, rays):
     """Set rays k and k + 4, of direction (dx, dy) and opposite, to their lengths from (x, y) to the walls."""
     per_x = 1.0 / max(abs(dx), TINY)
@@ -49,7 +49,7 @@ def walls_along(k, dx, dy, x, y, half, rays):
     rays[k + 4] = min((half + along_x) * per_x, (half + along_y) * per_y)
 
 
-@compiled
+@loop(forceinline=True)
 def disc_along(k, along, across, radius, rays):
     """Shorten rays k and k + 4, on one line, to a disc at the distances `along` and across that line."""
     under = radius * radius - across * across
@@ -59,7 +59,7 @@ def disc_along(k, along, across, radius, rays):
     rays[k + 4] = min(rays[k + 4], np.inf if along > 0.0 else hit)
 
 
-@compiled
+@loop()
 def obstacle(state, i, body, half, first, last, gaps, rays, which):
     """The mean of the proximity ring's readings, as a vector in the body's frame; `rays` is room for the ring."""
     ahead = 0.0
@@ -104,7 +104,7 @@ def obstacle(state, i, body, half, first, last, gaps, rays, which):
     return ahead / RAYS, aside / RAYS
 
 
-@compiled
+@loop(forceinline=True)
 def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tick):
     """The action of robot i in this tick, and whether it avoids an obstacle (and so makes no observation)."""
     ahead, aside = obstacle(state, i, body, half, first, last, gaps, rays, which)
@@ -115,7 +115,7 @@ def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tic
         return (RIGHT if state[AVOIDING, i] > 30.0 or aside > 0.0 else LEFT), True
     state[AVOIDING, i] = 0.0
     if state[LEFT_TICKS, i] == 0.0:
-        p, q = block(key[0], key[1], counter(trial, tick), counter(0, i))
+        p, q = block(key[0], key[1], counter(trial, tick), counter(np.int64(0), i))
         if p >> np.uint64(63) == np.uint64(0):
             state[MOVE, i] = STRAIGHT
             ticks = math.floor(-body.straight_mean * math.log(1.0 - unit(q)))
@@ -129,7 +129,7 @@ def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tic
     return int(state[MOVE, i]), False
 
 
-@compiled
+@loop(forceinline=True)
 def turn_by(turn, lag, out):
     """Fill `out` with the cosine and sine of the part of a turn before new wheel speeds take hold, and after."""
     out[0] = math.cos(turn * lag)
@@ -138,7 +138,7 @@ def turn_by(turn, lag, out):
     out[3] = math.sin(turn * (1.0 - lag))
 
 
-@compiled
+@loop(forceinline=True)
 def set_wheels(state, i, body, turns, speed, turn):
     """Set the motion of robot i: `speed` metres and `turn` radians per tick.
 
@@ -157,7 +157,7 @@ def set_wheels(state, i, body, turns, speed, turn):
         state[SIN_THEN, i] = turns[which, 3]
 
 
-@compiled
+@loop(forceinline=True)
 def go(state, i, share, cosine, sine):
     """Move robot i for a part of a tick; `c` and `s` are the cosine and sine of its turn in that part."""
     c = state[COS, i] * cosine - state[SIN, i] * sine
@@ -169,14 +169,14 @@ def go(state, i, share, cosine, sine):
     state[Y, i] += state[SPEED, i] * share * state[SIN, i]
 
 
-@compiled
+@loop(forceinline=True)
 def keep_inside(state, i, limit):
     """Push a robot's centre off the walls."""
     state[X, i] = min(max(state[X, i], -limit), limit)
     state[Y, i] = min(max(state[Y, i], -limit), limit)
 
 
-@compiled
+@loop()
 def part(state, body, limit, close, pairs, pushed, sweep):
     """Push apart what overlaps, robots by halves and off the walls, until nothing does; returns SWEEPS then.
 

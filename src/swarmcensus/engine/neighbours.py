@@ -7,19 +7,19 @@ Indices are unsigned: Numba then does not check for negative ones.
 
 import numpy as np
 
-from swarmcensus.engine.compiling import compiled, loop
+from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import ALL_PAIRS, X, Y
 
 SURE = 0.99  # share of the squared skin, so that rounding loses no neighbour
 
 
-@compiled
+@loop(forceinline=True)
 def cell(x, half, size, side):
     """The cell of a grid with `side` cells that a coordinate lies in."""
     return min(max(int((x + half) / size), 0), side - 1)
 
 
-@compiled
+@loop(forceinline=True)
 def sort_into_cells(state, half, size, heads, following):
     """Put the robots into square cells, as linked lists."""
     side = heads.shape[0]
@@ -30,7 +30,7 @@ def sort_into_cells(state, half, size, heads, following):
         heads[a, b] = i
 
 
-@compiled
+@loop(forceinline=True)
 def square_distance(state, i, j):
     """The squared distance between the centres of two robots."""
     dx = state[X, j] - state[X, i]
@@ -38,7 +38,7 @@ def square_distance(state, i, j):
     return dx * dx + dy * dy
 
 
-@compiled
+@loop()
 def list_pairs(state, half, reach, neighbours):
     """List the pairs within `reach`, each once: others[first[i]: first[i + 1]] are those of i with j > i, in order.
 
@@ -85,7 +85,7 @@ def list_pairs(state, half, reach, neighbours):
         room[i + 1] += room[i]
 
 
-@compiled
+@loop()
 def measure(state, reach2, close2, neighbours):
     """Find who is within reach of robot i: near[room[i]: room[i] + around[i]], in order, the first lower[i] below i.
 
@@ -124,7 +124,7 @@ def measure(state, reach2, close2, neighbours):
     return touching
 
 
-@compiled
+@loop(forceinline=True)
 def have_strayed(state, anchors, skin):
     """Whether any robot has moved nearly half the skin since the lists were made.
 

@@ -14,11 +14,11 @@ PARITY = np.uint64(0x1BD11BDAA9FC1A22)
 U = np.uint64
 
 
-@loop(inline="always")
+@loop(forceinline=True)
 def mix(a, b, r):
     """One add, rotate and xor of the cipher."""
     a = a + b
-    b = (b << U(r)) | (b >> U(64 - r))
+    b = (b << r) | (b >> (U(64) - r))
     return a, b ^ a
 
 
@@ -28,25 +28,25 @@ def block(k0, k1, c0, c1):
     k2 = PARITY ^ k0 ^ k1
     a = c0 + k0
     b = c1 + k1
-    a, b = mix(a, b, 16)
-    a, b = mix(a, b, 42)
-    a, b = mix(a, b, 12)
-    a, b = mix(a, b, 31)
+    a, b = mix(a, b, U(16))
+    a, b = mix(a, b, U(42))
+    a, b = mix(a, b, U(12))
+    a, b = mix(a, b, U(31))
     a = a + k1
     b = b + k2 + U(1)
-    a, b = mix(a, b, 16)
-    a, b = mix(a, b, 32)
-    a, b = mix(a, b, 24)
-    a, b = mix(a, b, 21)
+    a, b = mix(a, b, U(16))
+    a, b = mix(a, b, U(32))
+    a, b = mix(a, b, U(24))
+    a, b = mix(a, b, U(21))
     a = a + k2
     b = b + k0 + U(2)
-    a, b = mix(a, b, 16)
-    a, b = mix(a, b, 42)
-    a, b = mix(a, b, 12)
-    a, b = mix(a, b, 31)
+    a, b = mix(a, b, U(16))
+    a, b = mix(a, b, U(42))
+    a, b = mix(a, b, U(12))
+    a, b = mix(a, b, U(31))
     a = a + k0
     b = b + k1 + U(3)
-    return mix(a, b, 16)
+    return mix(a, b, U(16))
 
 
 @loop(from_cpython=True)

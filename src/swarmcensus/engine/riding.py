@@ -3,13 +3,11 @@
 Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the addresses of the brains' functions.
 """
 
-from typing import Any, NamedTuple
-
 import numpy as np
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
-from swarmcensus.engine.compiling import entry, inside, loop
+from swarmcensus.engine.compiling import counting_nothing, entry, loop
 from swarmcensus.engine.constants import (
     AGREED,
     ASK,
@@ -60,42 +58,15 @@ from .states import (
 )
 
 
-class Buffers(NamedTuple):
-    """Room to work in; made once, because making it in each tick would cost small swarms a tenth of their time."""
-
-    bits: Any  # (robot): random words
-    seen: Any  # (robot): readings
-    draws: Any  # (2, robot): words to observe and fuse with
-    arrivals: Any  # (2, message): receivers and senders of what gets through
-    message_draws: Any  # (message)
-    b: Any  # (robot): accuracies of the tick, where they drift
-    w: Any
-    nothing: Any  # (2, byte): sums of the messages of no blocks, see `brain_calls.hear_all`: all robots are one block
-
-
-@inside()
-def buffers_of(robots, messages, size):
-    """Room for so many robots and messages per tick; a message has `size` bytes."""
-    return Buffers(
-        np.zeros(robots, np.uint64),
-        np.zeros(robots),
-        np.zeros((2, robots), np.uint64),
-        np.zeros((2, messages), np.uint32),
-        np.zeros(messages, np.uint64),
-        np.zeros(robots),
-        np.zeros(robots),
-        np.zeros((2, size), np.uint8),
-    )
-
-
-@entry
-def start_states(swarm, given, states, start, tally):
+@counting_nothing
+def start_states(swarm, given, states, start, tally, work):
     """Blank states of one trial, their first messages, and their estimates `start` (1, robot)."""
     memory, outbox, signals = states.memory, states.outbox, states.signals
     count_known(swarm, tally.counts, given.stops[0], states.rows.shape[0], 0, memory.shape[0])
     blank_states(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
-    no_readings = np.full(memory.shape[0], -1.0)
-    draws = np.zeros(memory.shape[0], np.uint64)
+    no_readings, draws = work.blacks, work.draws[0]
+    for i in range(memory.shape[0]):
+        no_readings[i] = -1.0
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         base = place(memory, swarm.bases[group])
@@ -116,13 +87,13 @@ def look(readings, looked, black, b, w, bits):
 
 
 @loop()
-def hear_each(swarm, states, buffers, radio, counts, stops, trial, tick, said, heard, senders):
+def hear_each(swarm, states, work, radio, counts, stops, trial, tick, said, heard, senders):
     """Robot i hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and broken radios."""
-    memory, outbox, signals, arrivals = states.memory, states.outbox, states.signals, buffers.arrivals
-    said_at, draws = tick - radio.delay, buffers.message_draws
+    memory, outbox, signals, arrivals = states.memory, states.outbox, states.signals, work.arrivals
+    said_at, draws = tick - radio.delay, work.draws[2]
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
-        count = 0
+        count = np.int64(0)
         for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
             before = count
             if swarm.jams and drowned(signals, said, senders, heard[i], heard[i + 1], stops, said_at):
@@ -134,24 +105,20 @@ def hear_each(swarm, states, buffers, radio, counts, stops, trial, tick, said, h
                     count += 1
             counts[HEARD, i] += count - before
         if swarm.draws.size > 0:
-            draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
+            draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], np.int64(0), count, draws)
         base, robots = place(memory, swarm.bases[group]), memory.shape[0]
         call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 
 
-@entry
-def ride(swarm, given, states, tally, intervals, chunk, black, recorded, stop):
+@counting_nothing
+def ride(swarm, given, states, tally, intervals, chunk, work, black, recorded, stop):
     """`live_on` for CPython, in the only trial `given`."""
-    n, most = states.memory.shape[0], 0
-    for k in range(chunk.looked.shape[0]):
-        most = max(most, chunk.heard[(k + 1) * n] - chunk.heard[k * n])
-    buffers = buffers_of(n, most, states.outbox.shape[1])
     sensors, radio, stops = sensors_of(given.sensors, 0), given.radio, given.stops[0]
-    live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, given.first, stop)
+    live_on(swarm, states, work, sensors, radio, stops, tally, intervals, chunk, black, recorded, given.first, stop)
 
 
 @loop()
-def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
+def live_on(swarm, states, work, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
     """Run the states of a trial through a chunk of its walk; estimates of tick k go to states.rows[k - 1].
 
     `black` (tick, robot) says whether the tile under a robot's sensor is black. The outbox holds delay + 1 ticks. The
@@ -159,10 +126,10 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
     them, or where what robots do is `recorded`.
     """
     memory, outbox, signals, rows = states
-    bits, seen, draws = buffers.bits, buffers.seen, buffers.draws
+    bits, seen, draws, b, w = work.bits, work.blacks, work.draws, work.order, work.single
     counts, verdicts, delay, senders = tally.counts, tally.verdicts, radio.delay, chunk.senders
     n, shared = memory.shape[0], swarm.functions[0]
-    fused = place(draws, n)
+    fused, luck_at = place(draws, draws.shape[1]), draws.shape[1]
     is_random = swarm.draws.size > 0
     in_sums = swarm.additive and radio.threshold == 0 and stops.shape[1] == 0
     for k in range(chunk.looked.shape[0]):
@@ -173,9 +140,9 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
         words(sensors.key, trial, now, np.int64(0), np.uint64(0), np.uint64(n), bits)
         if sensors.drift.shape[1] > 0:
             for i in range(n):
-                buffers.b[i] = accuracy_in(sensors.b, sensors.drift, i, now)
-                buffers.w[i] = accuracy_in(sensors.w, sensors.drift, i, now)
-            look(seen, chunk.looked[k], black[k], buffers.b, buffers.w, bits)
+                b[i] = accuracy_in(sensors.b, sensors.drift, i, now)
+                w[i] = accuracy_in(sensors.w, sensors.drift, i, now)
+            look(seen, chunk.looked[k], black[k], b, w, bits)
         else:
             look(seen, chunk.looked[k], black[k], sensors.b, sensors.w, bits)
         silence_failed(seen, stops, now, ZERO, np.uint64(n))
@@ -196,7 +163,7 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
-            call(shared[HEAR_ALL], memory, outbox, then, buffers.nothing, n, rows, here, ZERO, n, fused)
+            call(shared[HEAR_ALL], memory, outbox, then, work.partial, n, rows, here, ZERO, n, fused)
             for i in range(n):
                 counts[HEARD, i] += n - 1
         elif now >= delay and in_sums:
@@ -208,10 +175,10 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
                     counts[HEARD, i] += heard[i + 1] - heard[i]
         else:
             if now >= delay:
-                hear_each(swarm, states, buffers, radio, counts, stops, trial, now, np.uint64(then), heard, senders)
+                hear_each(swarm, states, work, radio, counts, stops, trial, now, np.uint64(then), heard, senders)
             for run in range(swarm.runs.shape[0]):
                 group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-                base, luck = place(memory, swarm.bases[group]), place(draws, n + np.int64(a))
+                base, luck = place(memory, swarm.bases[group]), place(draws, luck_at + np.int64(a))
                 call(swarm.functions[group, END_ROUND], base, rows, here, a, z, luck)
         if verdicts.shape[0] > 0:
             for block in range(np.uint64(swarm.of_block.size - 1)):
@@ -231,8 +198,9 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
             else:
                 for i in range(n):
                     counts[SENT, i] += works(stops, TALKING, i, now)
-            recorded.messages[k, 0] = counts[SENT].sum()
-            recorded.messages[k, 1] = counts[HEARD].sum()
+            for i in range(n):
+                recorded.messages[k, 0] += counts[SENT, i]
+                recorded.messages[k, 1] += counts[HEARD, i]
     count_clipped(swarm, memory, counts)
 
 
@@ -272,8 +240,8 @@ def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
         commands[2, i] = turn / max(load, 1.0)
 
 
-@entry
-def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagreement):
+@counting_nothing
+def conclude(swarm, rows, start, delta, work, where, value, wrong, checkpoints, disagreement):
     """Convergence index and estimate there (robot) of whole curves: `start` is index 0, `rows` are 1 and on.
 
     `wrong` (3) gets the first invalid estimate, and `disagreement` (checkpoint) that of the `checkpoints`, as in
@@ -284,7 +252,8 @@ def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagr
     call(helpers[FIRST_WRONG], start, 1, robots, 0, honest, honest.size, wrong)
     call(helpers[FIRST_WRONG], rows, rounds, robots, 1, honest, honest.size, wrong)
     agreed = np.inf
-    room, answer = np.empty((3, robots)), np.zeros(1)
+    room, low, high, answer = work.blacks, work.single, work.order, work.answer
+    answer[0] = 0.0
     if wrong[0] < 0.0:
         call(helpers[AGREED], start, 1, robots, 0, honest, honest.size, delta, room, answer)
         call(helpers[AGREED], rows, rounds, robots, 1, honest, honest.size, delta, room, answer)
@@ -295,11 +264,10 @@ def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagr
                 row = place(rows, (checkpoints[c] - 1) * robots)
                 call(helpers[HALF_WIDTH], row, robots, honest, honest.size, room, place(disagreement, c))
     for i in range(robots):
-        room[0, i] = np.inf
-        room[1, i] = -np.inf
+        low[i] = np.inf
+        high[i] = -np.inf
         where[i] = rounds
         value[i] = rows[rounds - 1, i]
-    low, high = place(room, 0), place(room, robots)
     call(helpers[SETTLED], rows, rounds, robots, 1, delta, low, high, where, value, 0, robots, answer)
     if answer[0] != 0.0:
         call(helpers[SETTLED], start, 1, robots, 0, delta, low, high, where, value, 0, robots, answer)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.engine.calling import count_up, counted, pass_gate
+from swarmcensus.engine.calling import count_up, counted, pass_gate, place, seen_as
 from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import BLOCK
 
@@ -108,8 +108,9 @@ def share_of(team, size):
 def copy_together(team, copies, k, array, is_kept):
     """Copy an array to the k-th of its copies, if there is one, or back unless it `is_kept`; all wait for the whole."""
     if k < copies.shape[0]:
-        copy, original = copies[k].reshape(-1), array.reshape(-1)
-        first, last = share_of(team, copy.size)
+        copy, original = place(copies[k], 0), place(array, 0)
+        copy, original = seen_as(copy, array.size, array.dtype), seen_as(original, array.size, array.dtype)
+        first, last = share_of(team, array.size)
         there, here = (copy, original) if is_kept else (original, copy)
         copy_all(there[first:last], here[first:last])
     wait(team)

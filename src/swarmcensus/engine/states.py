@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.engine.calling import call, place, word_at
+from swarmcensus.engine.calling import call, place, seen_as, word_at
 from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import (
     BEGIN,
@@ -62,7 +62,8 @@ def believe_all(swarm, memory, rows, start):
 @loop()
 def copy_all(target, source):
     """Copy an array: `target[:] = source` would take two seconds to compile."""
-    there, here = target.reshape(-1), source.reshape(-1)
+    there, here = place(target, 0), place(source, 0)
+    there, here = seen_as(there, target.size, target.dtype), seen_as(here, source.size, source.dtype)
     for k in range(here.size):
         there[k] = here[k]
 
@@ -72,7 +73,7 @@ def silence_failed(readings, stops, tick, first, last):
     """Robots whose sensor has failed make no reading."""
     if stops.shape[1] > 0:
         for i in range(first, last):
-            if not works(stops, SENSING, i, tick):
+            if not works(stops, SENSING, np.int64(i), tick):
                 readings[i - first] = -1.0
 
 
@@ -85,7 +86,7 @@ def heard_by(key, trial, tick, receiver, sender, threshold):
 @loop(forceinline=True)
 def arrives(radio, trial, tick, receiver, sender, stops):
     """Whether the radio of a sender worked when it talked, and its message is not lost."""
-    return works(stops, TALKING, sender, tick - radio.delay) and (
+    return works(stops, TALKING, np.int64(sender), tick - radio.delay) and (
         radio.threshold == 0 or heard_by(radio.key, trial, tick, receiver, sender, radio.threshold)
     )
 
@@ -213,7 +214,7 @@ def forget_verdicts(verdicts, agreed, begin, end):
 def judge_blank(swarm, memory, start, verdicts):
     """Note who is done before the first round; robots have the estimates `start`."""
     for block in range(np.uint64(swarm.of_block.size - 1)):
-        judge(swarm, block, memory, start, ZERO, verdicts, 0)
+        judge(swarm, block, memory, start, ZERO, verdicts, np.int64(0))
 
 
 @loop(forceinline=True)
@@ -267,21 +268,21 @@ def measure_intervals(swarm, c, intervals, goes_on):
 @loop()
 def count_amiss(rows, begin, end):
     """How many of rows.flat[begin:end] are no numbers in [0, 1]; without branches, for several at once."""
-    flat, amiss = rows.reshape(-1), 0
+    estimates, amiss = seen_as(place(rows, 0), rows.size, np.float64), 0
     for k in range(np.uint64(begin), np.uint64(end)):
-        amiss += not ((flat[k] >= -SLACK) & (flat[k] <= 1.0 + SLACK))
+        amiss += not ((estimates[k] >= -SLACK) & (estimates[k] <= 1.0 + SLACK))
     return amiss
 
 
 @loop()
 def find_wrong(honest, rows, first, wrong):
     """Note the first estimate of an honest robot that is no number in [0, 1], in rows of the rounds from `first` on."""
-    flat, robots = rows.reshape(-1), rows.shape[1]
-    if wrong[0] < 0.0 and count_amiss(rows, 0, flat.size) > 0:
-        for k in range(flat.size):
+    estimates, robots = seen_as(place(rows, 0), rows.size, np.float64), rows.shape[1]
+    if wrong[0] < 0.0 and count_amiss(rows, np.int64(0), estimates.size) > 0:
+        for k in range(estimates.size):
             counts = honest.size == 0 or honest[k % robots]
-            if counts and not -SLACK <= flat[k] <= 1.0 + SLACK:
-                wrong[0], wrong[1], wrong[2] = k % robots, first + k // robots, flat[k]
+            if counts and not -SLACK <= estimates[k] <= 1.0 + SLACK:
+                wrong[0], wrong[1], wrong[2] = k % robots, first + k // robots, estimates[k]
                 return
 
 

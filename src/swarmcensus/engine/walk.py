@@ -8,7 +8,8 @@ import math
 
 import numpy as np
 
-from swarmcensus.engine.compiling import entry
+from swarmcensus.engine.calling import blank_state
+from swarmcensus.engine.compiling import counting_nothing
 from swarmcensus.engine.constants import (
     COS,
     COS_LATE,
@@ -23,29 +24,29 @@ from swarmcensus.engine.constants import (
     Y,
 )
 from swarmcensus.engine.random import block, counter, unit
+from swarmcensus.engine.records import record_type
 
 from .failures import works
 from .motion import LEFT, RAYS, RIGHT, STAND, STRAIGHT, SWEEPS, decide, go, keep_inside, part, set_wheels, turn_by
 from .neighbours import cell, listen, look_around
 
 PLACINGS = 10_000  # tries to place one robot
+ROOM = record_type([("rays", "f8", (RAYS,)), ("which", "u1", (RAYS,)), ("turns", "f8", (3, 4))])  # on the stack
 
 
-@entry
-def place(bodies, trial):
-    """Put robots anywhere without touching, headings uniform; False where there is no room left."""
+@counting_nothing
+def place(bodies, trial, size, heads, following):
+    """Put robots anywhere without touching, headings uniform; False where there is no room left.
+
+    `bodies` have states of zeros. `heads` and `following` are as in `Neighbours`, of cells of this size without robots.
+    """
     state, half, key, radius = bodies.state, bodies.half, bodies.key, bodies.body[0].radius
-    robots = state.shape[1]
-    size = max(2.0 * radius, half / math.sqrt(robots))
-    side = int(2.0 * half / size) + 1
-    heads = np.full((side, side), -1, np.int64)
-    following = np.full(robots, -1, np.int64)
-    state[:, :] = 0.0
+    robots, side = state.shape[1], heads.shape[0]
     for i in range(robots):
         for attempt in range(PLACINGS + 1):
             if attempt == PLACINGS:
                 return False
-            p, q = block(key[0], key[1], counter(trial, attempt), counter(1, i))
+            p, q = block(key[0], key[1], counter(trial, attempt), counter(np.int64(1), i))
             x = (2.0 * unit(p) - 1.0) * (half - radius)
             y = (2.0 * unit(q) - 1.0) * (half - radius)
             a, b = cell(x, half, size, side), cell(y, half, size, side)
@@ -64,7 +65,7 @@ def place(bodies, trial):
         state[Y, i] = y
         following[i] = heads[a, b]
         heads[a, b] = i
-        p, _ = block(key[0], key[1], counter(trial, 0), counter(2, i))
+        p, _ = block(key[0], key[1], counter(trial, np.int64(0)), counter(np.int64(2), i))
         state[COS, i] = math.cos(2.0 * math.pi * unit(p))
         state[SIN, i] = math.sin(2.0 * math.pi * unit(p))
         state[COS_LATE, i] = 1.0
@@ -72,7 +73,7 @@ def place(bodies, trial):
     return True
 
 
-@entry
+@counting_nothing
 def walk(bodies, neighbours, stops, trial, chunk, stop):
     """Walk through the ticks of a chunk and fill it; returns the ticks done, fewer where `senders` is full."""
     state, half, key, commands, body = bodies.state, bodies.half, bodies.key, bodies.commands, bodies.body[0]
@@ -83,9 +84,8 @@ def walk(bodies, neighbours, stops, trial, chunk, stop):
     robots = np.uint64(state.shape[1])
     radio2 = body.radio_range * body.radio_range
     blind = body.line_of_sight == 0.0  # radio passes through robots
-    rays = np.empty(RAYS)
-    which = np.empty(RAYS, np.uint8)
-    turns = np.empty((3, 4))
+    room_to_work = blank_state(ROOM)
+    rays, which, turns = room_to_work.rays, room_to_work.which, room_to_work.turns
     turn_by(body.turn, body.lag, turns[0])
     turn_by(-body.turn, body.lag, turns[1])
     used = np.uint64(0)
@@ -97,7 +97,7 @@ def walk(bodies, neighbours, stops, trial, chunk, stop):
             look_around(bodies, neighbours)
         for i in range(robots):
             move, avoiding = STAND, False
-            able = works(stops, MOVING, i, tick + k)
+            able = works(stops, MOVING, np.int64(i), tick + k)
             if able:
                 move, avoiding = decide(
                     state, i, body, half, room[i], room[i] + around[i], gaps, rays, which, key, trial, tick + k

@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from swarmcensus.engine import NOT_RECORDED, Chunk, Inputs, Recorded, Tally, compiler
+from swarmcensus.engine import NOT_RECORDED, Chunk, Inputs, Recorded, Tally, Work, compiler
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.blame import blaming, check_answers, check_commands
 from swarmcensus.simulation.file_metrics import Truths, Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
-from swarmcensus.simulation.trials import Batch, Metrics, batch_of, measures_of
+from swarmcensus.simulation.trials import Batch, Metrics, batch_of, measures_of, work_of
 from swarmcensus.simulation.walking import Walk
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
@@ -39,12 +39,17 @@ class Walkers:
         with blaming(setting, self.trial):
             self.swarm = swarm_of(setting, given, setting.use)
             self.states = states_of(setting, self.swarm, given.radio.delay + 1, rows)
-            self.kernel.start_states(self.swarm, given, self.states, self.start, self.tally)
+            self.kernel.start_states(self.swarm, given, self.states, self.start, self.tally, self.room())
+
+    def room(self, most: int = 0) -> Work:
+        """Room to work in, for at most so many messages in a tick."""
+        return work_of(self.swarm, self.given, self.states, local=True, most=most)
 
     def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOT_RECORDED) -> None:
         """Live through a chunk on tiles `black` (tick, robot)."""
-        intervals = self.intervals.of_trial(0)
-        self.kernel.ride(self.swarm, self.given, self.states, self.tally, intervals, chunk, black, recorded, stop)
+        most = int(np.diff(chunk.heard[:: self.setting.robots]).max(initial=0))
+        own = self.given, self.states, self.tally, self.intervals.of_trial(0)
+        self.kernel.ride(self.swarm, *own, chunk, self.room(most), black, recorded, stop)
 
     def steer(self, commands: np.ndarray, tick: int) -> None:
         """Ask the states where they want to go after a tick, if they steer."""
@@ -64,7 +69,7 @@ class Walkers:
         rows, tally = self.states.rows, Tally(*(counted[np.newaxis] for counted in self.tally))
         measures, checkpoints = measures_of(self.setting, 1, metrics), np.array(metrics.checkpoints, np.int64)
         found = measures.where[0], measures.value[0], measures.wrong[0], checkpoints, measures.disagreement[:, 0]
-        measures.agreement[0] = self.kernel.conclude(self.swarm, rows, self.start, metrics.delta, *found)
+        measures.agreement[0] = self.kernel.conclude(self.swarm, rows, self.start, metrics.delta, self.room(), *found)
         check_answers(self.setting, self.given, measures.wrong, tally.verdicts, self.intervals)
         measures.final[0] = rows[-1]
         bins = right_bins(truths(checkpoints), metrics.bins)
@@ -144,8 +149,9 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     with blaming(setting, trial):
         try:
             robots = walkers.swarm, given, walkers.states, walkers.tally, walkers.intervals.of_trial(0)
-            room, floor = 2 * walk.neighbours.ears.size, (ground.all_tiles(), ground.turns())
-            compiler.compile_world("steering").live(*robots, walk.bodies, walk.neighbours, *floor, room, stop)
+            bodies, floor = (walk.bodies, walk.neighbours), (ground.all_tiles(), ground.turns())
+            room = walkers.room(2 * walk.neighbours.ears.size), walk.room_for(0, 1), NOT_RECORDED
+            compiler.compile_world("steering").live(*robots, *bodies, *floor, *room, stop)
         except ValueError:
             check_commands(setting, given, commands)
             raise

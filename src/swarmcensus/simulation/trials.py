@@ -248,31 +248,25 @@ def sums_of(states: States) -> np.ndarray:
 
 
 def work_of(
-    swarm: Swarm, given: Inputs, states: States, local: bool = False, begin: int = 0, sums: np.ndarray | None = None
-) -> Work:
-    """Room to work in, for the robots of a swarm, the first of which is `begin`."""
+    swarm: Swarm, given: Inputs, states: States, local: bool = False, begin: int = 0, sums: np.ndarray | None = None,
+    most: int = 0,
+) -> Work:  # fmt: skip
+    """Room to work in, for the robots of a swarm, from `begin` on; those that move hear at most `most` at once."""
     robots, looks, accuracies = len(states.memory), given.sensors.looks, given.sensors.b.shape[1]
     own = min((swarm.of_block.size - 1) * BLOCK, robots - begin)
     at_once, luck = own if local else min(own, BLOCK), swarm.draws.size > 0
     sums = sums_of(states) if sums is None else sums
-    most = 0
     if luck or swarm.is_signalled or given.radio.threshold or given.stops.size:
-        most = _most_arrivals(given.links, robots)
+        most = max(most, _most_arrivals(given.links, robots))
     return Work(
-        np.zeros(at_once),
-        np.zeros(at_once, np.uint64),
-        np.zeros(own if local else 0),
+        np.zeros(at_once), np.zeros(at_once, np.uint64), np.zeros(own if local else 0),
         np.zeros((3, max(at_once, min(own, BLOCKS * BLOCK), most) if luck else 0), np.uint64),
-        sums,
-        np.zeros((2 * len(sums), sums.shape[1]), np.uint8),
+        sums, np.zeros((2 * len(sums), sums.shape[1]), np.uint8),
         np.zeros((2, most if given.links.mode != PAIRS else robots), np.uint32),
         np.empty(((looks >= PART) + (looks % PART > 0), accuracies, COLUMNS), np.uint64),
-        np.full((3, accuracies), np.nan),
-        np.empty(robots + 1, np.int64),
-        np.empty(robots),
-        np.empty(1),
+        np.full((3, accuracies), np.nan), np.empty(robots + 1, np.int64), np.empty(robots), np.empty(1),
         np.empty((3, 0), np.int64),
-    )
+    )  # fmt: skip
 
 
 def _most_arrivals(links: Links, robots: int) -> int:

@@ -47,7 +47,9 @@ class Walk:
         self.module = compile_world("walk")
         state = np.zeros((STATE, robots))
         self.bodies = Bodies(state, body.numbers, side / 2.0, key, commands)
-        if not self.module.place(self.bodies, trial):
+        size = max(2.0 * body.radius, side / 2.0 / math.sqrt(robots))
+        heads = np.full((int(side / size) + 1,) * 2, -1)
+        if not self.module.place(self.bodies, trial, size, heads, np.full(robots, -1)):
             raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m", key="robots", value=robots)
         if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
             state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
@@ -79,20 +81,22 @@ class Walk:
         x, y, sine, cosine = (self.bodies.state[row] for row in (X, Y, SIN, COS))
         return np.stack([x, y, np.arctan2(sine, cosine)], axis=1)
 
+    def room_for(self, tick: int, most: int) -> Chunk:
+        """Room for so many ticks, from `tick` on."""
+        robots = self.bodies.state.shape[1]
+        looked, tiles = np.zeros((most, robots), np.bool_), np.zeros((most, robots, 2), np.int32)
+        heard, poses = np.zeros(most * robots + 1, np.int64), np.zeros((most if self.poses else 0, robots, 3))
+        begin = self.poses_now() if self.poses else np.zeros((0, 3))
+        return Chunk(tick, looked, tiles, heard, self.senders, poses, begin)
+
     def on(self, tick: int, most: int) -> Chunk | None:
         """Walk at most so many ticks, from `tick` on; None if stopped."""
-        robots = self.bodies.state.shape[1]
-        looked = np.zeros((most, robots), np.bool_)
-        tiles = np.zeros((most, robots, 2), np.int32)
-        heard = np.zeros(most * robots + 1, np.int64)
-        poses = np.zeros((most if self.poses else 0, robots, 3))
-        begin = self.poses_now() if self.poses else np.zeros((0, 3))
-        chunk = Chunk(tick, looked, tiles, heard, self.senders, poses, begin)
+        chunk, robots = self.room_for(tick, most), self.bodies.state.shape[1]
         done = self.module.walk(self.bodies, self.neighbours, self.stops, self.trial, chunk, self.stop)
         if self.stop[0] != 0:
             return None
-        senders = self.senders[: heard[done * robots]].copy()
-        return Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], senders, poses[:done], begin)
+        heard, seen = chunk.heard[: done * robots + 1], (chunk.looked[:done], chunk.tiles[:done])
+        return Chunk(tick, *seen, heard, self.senders[: heard[-1]].copy(), chunk.poses[:done], chunk.begin)
 
     def chunks(self, ticks: int) -> Iterator[Chunk]:
         """So many ticks from the first one on, in chunks that fit in memory; fewer if stopped.
