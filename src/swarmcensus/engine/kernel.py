@@ -133,8 +133,7 @@ def simulate(
             if are_numbers(team, swarm, start, 1, robots, 0, wrong, answer):
                 agreement[trial] = agreed_together(team, swarm, start, 1, 0, delta, order, 0.0, answer)
             for i in range(begin, end):
-                low[i] = np.inf
-                high[i] = -np.inf
+                low[i], high[i] = np.inf, -np.inf
         undecided = True
         for step in range(first_step, last_step):  # forward through all segments, then back where needed
             forward = step < count
