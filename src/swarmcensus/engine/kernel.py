@@ -135,8 +135,7 @@ def simulate(
                     team, swarm, start, np.int64(1), np.int64(0), delta, order, 0.0, answer
                 )
             for i in range(begin, end):
-                low[i] = np.inf
-                high[i] = -np.inf
+                low[i], high[i] = np.inf, -np.inf
         undecided = True
         for step in range(first_step, last_step):  # forward through all segments, then back where needed
             forward = step < count

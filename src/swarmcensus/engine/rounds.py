@@ -97,16 +97,18 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
         if stop[0] != 0:
             return
         span = min(at_once, last - begun)
-        for turn in range(min(span, 2) * span * (own + 2 * reach * span)):
-            makes_up, step = divmod(turn, span * (own + 2 * reach * span))
-            k, edge = begun + step % span, reach * (step % span)
-            nth, r = step // span - edge, k - first
+        half = span * (own + 2 * reach * span)
+        for turn in range(min(span, 2) * half):
+            makes_up, step = turn >= half, turn - half if turn >= half else turn
+            later_by = step % span if span > 1 else 0  # divisions take long for small swarms
+            k, edge = begun + later_by, reach * later_by
+            nth, r = (step // span if span > 1 else step) - edge, k - first
             if makes_up and step == 0:
                 wait(team)
             if not (-edge if makes_up else edge) <= nth < (edge if makes_up else own - edge):
                 continue
-            said, next_said = np.uint64((k + 2) % (delay + 2)) * n, np.uint64((k + 1) % (delay + 2)) * n
-            here, hears = np.uint64(max(r, 0)) * n, r >= 0 and k > delay
+            here, hears, said = np.uint64(max(r, 0)) * n, r >= 0 and k > delay, np.uint64((k + 2) % (delay + 2)) * n
+            next_said = said - n if said > ZERO else np.uint64(delay + 1) * n
             whole, wide = hears and links == FULL, links == FULL and everyone > 1
             if turn == 0 and source.changes and k + 1 < last:
                 call(helpers[RENEW], packed(source, SOURCE), k + 1, team.first, team.last)
@@ -120,7 +122,8 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                 call(helpers[HEAR_PAIRS], arguments, k, said)
             if turn == 0 and hears and swarm.is_signalled and (in_sums or links == FULL):
                 call(helpers[COUNT_SIGNALS], arguments, k, said, 1)
-            block, start = np.uint64((nth + own) % own), np.uint64((team.begin + nth + everyone) % everyone) * SIZE
+            block, nth = np.uint64(nth + own if nth < 0 else nth), team.begin + nth
+            start = np.uint64(nth + everyone if nth < 0 else nth) * SIZE
             end = min(start + SIZE, n)
             until = min(start + TOGETHER * SIZE, np.uint64(team.last)) if whole else end
             if is_random and r >= 0 and (not whole or block % TOGETHER == ZERO):

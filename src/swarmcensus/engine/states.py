@@ -195,8 +195,7 @@ def option_of(verdicts, honest, begin, end):
 def agree_on(option, agreed, now):
     """Note the first round after which all honest robots have decided for the same option, and the option."""
     if agreed[0] < 0.0 <= option:
-        agreed[0] = option
-        agreed[1] = now
+        agreed[0], agreed[1] = option, now
 
 
 @loop()
