@@ -39,10 +39,10 @@ class Hardware:
     def __post_init__(self) -> None:
         """Raise InputError for a wrong number, address or device, or if this machine should have a card."""
         most = max(MOST_JOBS, cores())
-        if not 1 <= self.threads <= most:
+        if self.threads not in range(1, most + 1):
             should = f"should be 1 to {most:,} threads; more threads than cores ({cores()}) are not faster"
             raise wrong_option("jobs", self.jobs, should)
-        if self.cluster is not None and "://" not in self.cluster:
+        if self.cluster is not None and "://" not in str(self.cluster):
             should = "should be the address of a Dask scheduler, as tcp://host:8786"
             raise wrong_option("cluster", self.cluster, should)
         if self.device not in DEVICES:

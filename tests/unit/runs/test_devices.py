@@ -257,10 +257,10 @@ def test_unknown_devices_are_refused(refused, here):
     (here / "s.toml").write_text(SMALL)
     said = refused("run", "s.toml", "--device", "cup")
     assert said == "swarmcensus run: --device cup: did you mean 'cpu'? should be cpu, gpu or auto"
-    with pytest.raises(InputError, match=r"^device='tpu': did you mean 'gpu'\? should be cpu, gpu or auto$"):
-        run(ring(), device="tpu")
-    with pytest.raises(InputError, match=r"^device=None: should be cpu, gpu or auto$"):
-        run(ring(), device=None)
+    for given in ({"device": "tpu"}, {"device": None}, {"jobs": 2.5}, {"jobs": "2"}, {"cluster": 5}):
+        ((name, value),) = given.items()
+        with pytest.raises(InputError, match=rf"^{name}={value!r}: (did you mean 'gpu'\? )?should be (cpu|1 to|the)"):
+            run(ring(), **given)
 
 
 def test_merged_files_name_the_cards_of_all(card, here):

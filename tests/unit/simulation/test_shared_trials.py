@@ -6,15 +6,13 @@ import time
 import numpy as np
 import pytest
 
-from swarmcensus.engine.constants import WRONG_IN
+from swarmcensus.engine.constants import AHEAD, BLOCK, WRONG_IN
 from swarmcensus.runs import tasks
 from swarmcensus.runs.tasks import ThreadBudget
 from swarmcensus.simulation import trials
 from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.support.second import ADDS, ALL, TALKS
 from tests.support.small import FAULTS, GO, PASSING, SEED, settings_of
-
-pytestmark = pytest.mark.interpreted
 
 LIARS = [{"robots": 0.3, "brain": "shouter", "honest": False}]
 JAMMERS = [{"robots": 0.01, "brain": {"file": "jammer", "often": 0.5}, "honest": False}]
@@ -58,6 +56,7 @@ def measured(batch):
 QUICK = ("2-9-False-full", "2-9-False-silent sums")
 
 
+@pytest.mark.interpreted
 @pytest.mark.long(but=[*QUICK, "3-2-True-ring"])
 @pytest.mark.parametrize(("count", "rows", "local", "name"), WAYS)
 def test_threads_that_share_a_trial_give_its_bits(count, rows, local, name, monkeypatch):
@@ -72,6 +71,21 @@ def test_threads_that_share_a_trial_give_its_bits(count, rows, local, name, monk
         assert np.array_equal(values, measured(shared)[variable], equal_nan=True), variable
 
 
+@pytest.mark.parametrize(("topology", "delay"), [("ring", 2), ("line", 0)])
+def test_blocks_that_go_ahead_give_the_bits_of_single_rounds(topology, delay, monkeypatch):
+    """In one thread, and in three with as few blocks as may go ahead; where one round is kept at a time, none does."""
+    robots, rounds = 3 * 2 * AHEAD * BLOCK - 9, 2 * AHEAD + 3
+    (setting,) = settings_of(robots=robots, rounds=rounds, topology=topology, message_delay=delay)
+    found = []
+    for rows, count in ((1, 1), (rounds, 1), (rounds, 3)):
+        monkeypatch.setattr(trials, "segment_length", lambda *_, rows=rows: rows)
+        batch = run_batch(setting, SEED, 0, 1, Metrics(0.3, 7, (AHEAD,), estimates=True), GO, idle=lambda n=count: n)
+        found.append(measured(batch))
+    for name, values in found[0].items():
+        assert all(np.array_equal(values, other[name], equal_nan=True) for other in found[1:]), name
+
+
+@pytest.mark.interpreted
 def test_ctrl_c_ends_all_threads_of_a_trial():
     (setting,) = settings_of(robots=MANY, rounds=10_000)
     stop, begun = np.zeros(1, np.uint8), time.monotonic()
