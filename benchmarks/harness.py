@@ -65,7 +65,7 @@ def answer(module):
     below = parser.add_subparsers(dest="question", metavar="QUESTION")
     for name, it in questions.items():
         about = inspect.getdoc(it) or ""
-        one = below.add_parser(name, help=about.partition("\n")[0], description=about)
+        one = below.add_parser(name, help=about.partition("\n")[0].replace("%", "%%"), description=about)
         if "quick" not in inspect.signature(it).parameters:
             one.add_argument("--quick", action="store_true", default=argparse.SUPPRESS)
         for key, given in inspect.signature(it).parameters.items():

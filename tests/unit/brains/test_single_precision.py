@@ -92,7 +92,8 @@ def median_error(name, loss):
 @pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
 def test_a_swarm_runs_for_a_day_in_single_precision(name):
     loss = 0.0 if name == "swift" else 0.2
-    assert median_error(name, loss) < 0.001
+    brain = {"file": name, "within": 1e-9} if name == "sure" else name  # else it is done in the first hour
+    assert median_error(brain, loss) < 0.001
 
 
 @pytest.mark.long

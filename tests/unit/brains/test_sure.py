@@ -131,13 +131,11 @@ def test_covariance_of_patches_is_found_at_its_size():
 
 
 def test_what_robots_have_read_widens_the_interval():
-    """By c^2 / (f (1 - f)) with c = 0.03 beyond its standard error; less than chance does not narrow it."""
+    """By c^2 / (f (1 - f)) with c = 0.03; readings that differ more than by chance do not narrow it."""
     ratios = np.random.default_rng(4).normal(0.5, 0.02, 8)
-    f, k = ratios.mean(), 0.5
-    given = {"s": list(ratios), "v": [1.0] * 8, "looks": 8.0 / k**2, "voices": 1e9}
-    chance = stats.sem(ratios) / (2.0 * k * math.sqrt(2.0 * 16.0))
-    for c, more in ((0.03, 0.03**2 / (f * (1.0 - f))), (-0.03, 0.0), (-0.5 * chance, 0.0)):
-        low, high = SURE.interval(state(product=8.0 * (f * f + c + chance), **given))
+    f = ratios.mean()
+    for c, more in ((0.03, 0.03**2 / (f * (1.0 - f))), (-0.03, 0.0)):
+        low, high = SURE.interval(state(s=ratios, v=[1.0] * 8, looks=32.0, voices=1e9, product=8.0 * (f * f + c)))
         half = stats.t.ppf(0.975, 7) * math.sqrt(stats.sem(ratios) ** 2 + more)
         assert (high - low) / 2.0 == pytest.approx(half)
 

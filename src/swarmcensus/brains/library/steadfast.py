@@ -34,8 +34,8 @@ A robot that has read nothing gives all messages the same weight. Anonymous: the
 import math
 
 HUBER = 0.35  # standard errors from r to own readings that count fully
-ZERO = 3.0  # and to those that do not count
-RECENT = 20.0  # r is averaged over the last 1 / RECENT of all rounds
+ZERO = 3.5  # and to those that do not count
+RECENT = 40.0  # r is averaged over the last 1 / RECENT of all rounds
 SECOND = 2.5  # E from r to the farthest that a neighbour's r counts as
 GATE = 4.0  # E from R to sums that count,
 CLIP = 1.2  # that count as they are,

@@ -22,7 +22,7 @@ robots also mix the product of each reading with the mean of about 16 readings o
 f^2 + c, where c is the covariance of readings that are near in time: 0 on independent ground, f (1 - f) within a patch.
 No robot knows how few patches the arena holds, or how often others have read them. So the part c / (f (1 - f)) of all
 evidence counts as one patch, however long it is read. This part may be off by the root of f (1 - f), which is the
-second term of se^2. Of c counts what exceeds its standard error by chance, the root of the first term / (2 k sqrt(32)).
+second term of se^2. All of c counts that is above 0: what chance adds to it makes intervals wider only.
 
 Looks. After 8, 24, 56, 120, ... rounds, the robot checks whether half the width of its interval is at most `within`, at
 alpha_j = 4 alpha/((j + 3)(j + 4)) in the j-th look, and is done if so; all alpha_j sum up to alpha. It goes on sending,
@@ -219,7 +219,7 @@ def half(me, alpha):
     slope = math.sqrt(min(v / me.looks, 1.0))
     least = math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
     variance = off / (1.0 - squares)
-    c = max(me.product / v - f * f - math.sqrt(variance / (8.0 * WINDOW)) / slope, 0.0)
+    c = max(me.product / v - f * f, 0.0)
     error = math.sqrt(variance + c * c / max(f * (1.0 - f), LEAST))
     near = max(quantile(alpha, max(degrees, 1.0)) * error, least)
     return near if near * v < s < v - near * v else 1.0
