@@ -61,7 +61,7 @@ def shown(page, **choices):
 def ran(page):
     page.wait_for_function(DONE, timeout=300_000)
     frame = next(one for one in page.frames if "arena.html" in one.url)
-    return np.array(frame.evaluate("[...state.source.estimates]")), page.inner_text("#try-error")
+    return np.array(frame.evaluate("[...(state.source.estimates || [])]")), page.inner_text("#try-error")
 
 
 def saved(page, button):

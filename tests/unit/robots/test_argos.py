@@ -70,9 +70,9 @@ def test_the_library_is_found_wherever_argos_is_started(here):
     assert named == {str(folder / "build" / "libswarmcensus")}
 
 
-def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ticks=1):
+def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ticks=1, program="world"):
     """Run robots in a new folder; returns what went wrong."""
-    words = [folder / "world", ticks, reset, datagram, round_ticks, *controllers]
+    words = [folder / program, ticks, reset, datagram, round_ticks, *controllers]
     return subprocess.run(list(map(str, words)), cwd=path, capture_output=True, text=True).stderr
 
 
@@ -151,8 +151,8 @@ def test_two_libraries_with_one_name_are_refused(folder, tmp_path):
             re.sub(r"minimalistic_\w{8}\b", own, text.replace('"minimalistic"', '"twice"'))
         )
     command = json.loads((folder / "command").read_text())
-    subprocess.run([*command, "all.cc", "first.cpp", "second.cpp", "-o", "world"], cwd=folder, check=True)
-    assert "two libraries have a controller" in live(folder, tmp_path, "twice")
+    subprocess.run([*command, "all.cc", "first.cpp", "second.cpp", "-o", "twice"], cwd=folder, check=True)
+    assert "two libraries have a controller" in live(folder, tmp_path, "twice", program="twice")
 
 
 @HOST
