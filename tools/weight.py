@@ -15,10 +15,10 @@ from pathlib import Path
 # steadfast keep their promises in worlds where they did not, and measured sensors are a spread; robots and runtime
 # calibrate sensors, and start fleets over UDP, serial ports and gateways; gpu compares each program with the CPU once
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1_727, "brains": 1_322, "checks": 751, "cli": 1_404, "content": 3_827,
-    "engine": 3_160, "evaluation": 854, "figures": 3_073, "gpu": 837, "live": 1_137, "results": 1_233, "robots": 3_570,
-    "runs": 1_471, "runtime": 805, "search": 1_764, "simulation": 1_740, "studies": 1_610, "summaries": 955,
-    "support": 2_523, "theory": 399, "translation": 1_615, "worlds": 1_583,
+    "__init__": 8, "__main__": 1, "analysis": 1727, "brains": 1322, "checks": 751, "cli": 1404, "content": 3827,
+    "engine": 3160, "evaluation": 854, "figures": 3073, "gpu": 837, "live": 1137, "results": 1233, "robots": 3570,
+    "runs": 1471, "runtime": 805, "search": 1764, "simulation": 1740, "studies": 1610, "summaries": 955,
+    "support": 2523, "theory": 399, "translation": 1615, "worlds": 1583,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",
