@@ -156,9 +156,8 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                     base, seen, luck = place(memory, bases[group]), place(blacks, a - start), place(draws, a - start)
                     call(addresses[group, SENSE], base, outbox, signals, next_said, seen, float(looks), a, z, luck, ONE)
                 behind, ahead = block % TOGETHER, begin + block + ONE
-                if (
-                    wide and delay == 0 and (behind + ONE == TOGETHER or block + ONE == blocks)
-                ):  # now it is in the cache
+                ends = behind + ONE == TOGETHER or block + ONE == blocks
+                if wide and delay == 0 and ends:  # now it is in the cache
                     call(shared[ADD_UP], outbox, next_said, work.sums, ahead - behind - ONE, ahead, n)
         if k + 1 < last and swarm.is_signalled:
             call(helpers[COUNT_SIGNALS], arguments, k + 1, next_said, 0)

@@ -101,7 +101,7 @@ PART double between(double lower, double upper, double part) {
 // Quantiles of wide rows: the estimates around both of them, of four ranks, are found together, digit by digit of their
 // keys, each digit by two launches. Many blocks a row tally what its estimates have as the next digit, and one block
 // chooses the digits. Digits that the least and the greatest estimate share are known. Rows of the last rounds come
-// first, a chunk at a time: rows before one whose robots disagree are needed at checkpoints only.
+// first, a chunk at a time: rows before one in which robots disagree are needed at checkpoints only.
 #define SOUGHT 4
 #define DIGITS 8
 

@@ -75,8 +75,8 @@ def events_of(data, kind="Bool", heard="Int32MultiArray", jitter=0):
 
 
 def inferred(here, what, *options):
-    told = [here / what, *options, "--accuracy", 0.8, "--out", here / "t.nc", "--plot", here / "t.svg"]
-    assert main(["infer", *map(str, told)]) == 0
+    words = [here / what, *options, "--accuracy", 0.8, "--out", here / "t.nc", "--plot", here / "t.svg"]
+    assert main(["infer", *map(str, words)]) == 0
     with xr.open_dataset(here / "t.nc") as trace:
         return trace.load()
 
