@@ -82,18 +82,15 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--metric corect", "--metric corect"),
-        ("--margin much", "--margin much: should be a number"),
-        ("--margin 0.1 --margin 0.2", "--margin is given twice for one measure"),
-        ("--where brain=='legacy'", "there is nothing to compare: all settings are of legacy"),
-        ("--by topolgy", "--by topolgy"),
-        ("--by robots", "--by robots"),
-        ("--by topology --pairs", "--pairs does not go with --by"),
-    ],
-)
+@pytest.mark.parametrize(("words", "said"), [
+    ("--metric corect", "--metric corect"),
+    ("--margin much", "--margin much: should be a number"),
+    ("--margin 0.1 --margin 0.2", "--margin is given twice for one measure"),
+    ("--where brain=='legacy'", "there is nothing to compare: all settings are of legacy"),
+    ("--by topolgy", "--by topolgy"),
+    ("--by robots", "--by robots"),
+    ("--by topology --pairs", "--pairs does not go with --by"),
+])  # fmt: skip
 def test_refusals_write_nothing(two, words, said, refused, capsys):
     assert said in refused("compare", two, *words.split())
     assert capsys.readouterr().out == ""
@@ -107,8 +104,6 @@ def test_latex_is_written(two, tmp_path):
 
 
 # ---- what is drawn
-
-
 def texts_of(figure):
     figure.draw_without_rendering()
     return [text.get_text() for text in figure.findobj(mpl.text.Text)]

@@ -48,9 +48,7 @@ ODD = st.sampled_from(
 )  # fmt: skip
 TEXT = st.text(max_size=12)
 SCALAR = ODD | st.integers() | st.floats() | TEXT | st.booleans() | st.dates() | st.datetimes()
-ANY = st.recursive(
-    SCALAR, lambda v: st.lists(v, max_size=3) | st.dictionaries(TEXT, v, max_size=3), max_leaves=6
-)  # fmt: skip
+ANY = st.recursive(SCALAR, lambda v: st.lists(v, max_size=3) | st.dictionaries(TEXT, v, max_size=3), max_leaves=6)
 
 
 # what means something at some key of a study, and is mostly wrong at another one
@@ -209,10 +207,8 @@ def test_spoiled_study_files(text):
 def test_tiny_studies_live_their_whole_life(number, brain):
     with folder() as here:
         (here / "s.toml").write_text(drawn(np.random.default_rng(number), brain, ("shouter",), longest=5).text)
-        assert command("run", "s.toml", "--jobs", 1) == 0
-        assert command("status", "s.nc") == 0
-        assert command("verify", "s.nc", "--all", "--jobs", 1) == 0
-        assert command("export", "s.nc") == 0
+        assert command("run", "s.toml", "--jobs", 1) == command("status", "s.nc") == 0
+        assert command("verify", "s.nc", "--all", "--jobs", 1) == command("export", "s.nc") == 0
         assert command("replay", "s.nc", "--setting", 0, "--trial", 0, "--out", "t.nc") == 0
         assert command("merge", "s.nc", "s.nc", "--out", "m.nc") == 0
         one, both = sc.load("s.nc"), sc.load("m.nc")
@@ -289,8 +285,7 @@ def test_spoiled_brains(canary, source):
 @example(["X = " + "-" * 50_000 + "1"], False)
 @example(["X = " + "1+" * 50_000 + "1"], False)
 def test_random_brains(canary, lines, before):
-    parts = [*lines, BRAIN] if before else [BRAIN, *lines]
-    _read_brain("\n".join(parts), canary)
+    _read_brain("\n".join([*lines, BRAIN] if before else [BRAIN, *lines]), canary)
 
 
 # -------------------------------------------------------------------------------------------------- results

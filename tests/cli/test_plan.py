@@ -38,8 +38,7 @@ def test_plan_prints_and_writes(accepted):
     assert all(f" {column}: " in printed.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
     assert re.search(r"^p.toml: .*\np.svg: ", printed.out, re.MULTILINE)
     assert "swarmcensus run p.toml" in printed.out + printed.err
-    planned = tomllib.loads(Path("p.toml").read_text())
-    assert planned["swarm"]["robots"] in (5, 7, 10, 14, 20)
+    assert tomllib.loads(Path("p.toml").read_text())["swarm"]["robots"] in (5, 7, 10, 14, 20)
     assert "<svg" in Path("p.svg").read_text()[:500]
     assert "reached" in accepted("run", "p.toml", "--trials", "6").out
 
@@ -70,16 +69,13 @@ GOAL = {"accuracy": 0.9, "error": 0.1, "fill_ratio": 0.5, "brain": "commons", "t
 LIARS = "members=[{robots = %s, brain = %s, honest = false}]"
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (("[world]", "[world"), "study file m.toml: not TOML"),
-        (("error = 0.05", ""), "wanted: should have an error"),
-        (("error = 0.05", 'error = 0.05\nright = "majority"'), "and not both"),
-        ((RING[RING.index("[wanted]") :], "[other]\nerror = 0.1\n"), "unknown key other"),
-        ((WORLD, "world = 3\n"), "unknown key swarm.world"),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    (("[world]", "[world"), "study file m.toml: not TOML"),
+    (("error = 0.05", ""), "wanted: should have an error"),
+    (("error = 0.05", 'error = 0.05\nright = "majority"'), "and not both"),
+    ((RING[RING.index("[wanted]") :], "[other]\nerror = 0.1\n"), "unknown key other"),
+    ((WORLD, "world = 3\n"), "unknown key swarm.world"),
+])  # fmt: skip
 def test_faults_of_files(change, said, here, refused):
     (here / "m.toml").write_text(RING.replace(*change))
     assert said in refused("plan", "m.toml", "--out", "p.toml")
@@ -133,14 +129,11 @@ def test_faults_of_keys_write_nothing(file, usual, values, said, here, refused):
     assert said in refused("plan", *file, *keys(*values, **usual), "--out", "p.toml")
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--out", "m.toml"], "cannot write m.toml: it is an input"),
-        (["--out", "p.json"], "p.json"),
-        (["--out", "other/p.toml", *keys("brain=mine.py")], "paths in it are relative to its folder"),
-    ],
-)
+@pytest.mark.parametrize(("words", "said"), [
+    (["--out", "m.toml"], "cannot write m.toml: it is an input"),
+    (["--out", "p.json"], "p.json"),
+    (["--out", "other/p.toml", *keys("brain=mine.py")], "paths in it are relative to its folder"),
+])  # fmt: skip
 def test_faults_of_files_to_write(words, said, here, refused):
     (here / "mine.py").write_text(brains.load("minimalistic").source)
     assert said in refused("plan", "m.toml", *words)

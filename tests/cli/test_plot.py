@@ -35,15 +35,12 @@ def test_a_setting_that_where_leaves_out(small_file, here, refused):
     assert f"small, setting {ring}, trial 3: minimalistic, ring, N = " in (here / "x.svg").read_text()
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ("replay --setting 0 --trial 0 --out x.txt", "ends in .csv or .nc"),
-        ("replay --setting 0 --trial 0 --recording file/rec", "cannot write file/rec"),
-        ("plot --kind curves --out file/x.svg", "cannot write file/x.svg"),
-        ("infer --accuracy 0.8 --plot file/x.png", "cannot write file/x.png"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    ("replay --setting 0 --trial 0 --out x.txt", "ends in .csv or .nc"),
+    ("replay --setting 0 --trial 0 --recording file/rec", "cannot write file/rec"),
+    ("plot --kind curves --out file/x.svg", "cannot write file/x.svg"),
+    ("infer --accuracy 0.8 --plot file/x.png", "cannot write file/x.png"),
+])  # fmt: skip
 def test_cheap_checks_come_first(options, said, small_file, here, refused, monkeypatch):
     def run(*_, **__):
         raise AssertionError("run again")
@@ -94,8 +91,6 @@ def test_settings_that_matplotlib_cannot_read_are_one_sentence(small_file, here)
 
 
 # ---- a study's keys mean the same in every command, and wrong ones are refused in the same sentence
-
-
 STUDY = """trials = 40
 swarm = {robots = 6, accuracy = 0.8, brain = "commons"}
 world = {topology = "ring", fill_ratio = 0.55, message = "float32"}
@@ -138,8 +133,7 @@ def files(here):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_wrong_keys_and_values_are_refused_alike(command, value, files, refused):
     before = sorted(Path().rglob("*"))
-    said = refused(*COMMANDS[command].split(), "--set", value)
-    assert WRONG[value] in said
+    assert WRONG[value] in refused(*COMMANDS[command].split(), "--set", value)
     assert sorted(Path().rglob("*")) == before
 
 
@@ -171,7 +165,5 @@ def test_infer_takes_brain_accuracy_and_rounds_from_a_study(files, accepted):
 
 def test_deploy_takes_other_values_of_a_study(files, capsys):
     moving = ["--set", "topology=moving", "--set", "density=1", "--set", "schedule={ticks=99}"]
-    command = COMMANDS["deploy"].split()
-    assert main([*command, *moving, "--set", "robots=7", "--set", "message=float16"]) == 0
-    text = Path("out", "commons.argos").read_text()
-    assert 'quantity="7"' in text
+    assert main([*COMMANDS["deploy"].split(), *moving, "--set", "robots=7", "--set", "message=float16"]) == 0
+    assert 'quantity="7"' in Path("out", "commons.argos").read_text()

@@ -69,7 +69,6 @@ def test_program_runs_exit_handlers_and_joins_threads():
 
 
 # ---- what a brain's machine code depends on
-
 SOURCE = brains.load("minimalistic").source
 
 
@@ -93,14 +92,11 @@ def test_brains_that_differ_in_words_alone_share_machine_code(other):
     assert compiler.compile_brain(brain_of(other)).tolist() == compiler.compile_brain(brain_of(SOURCE)).tolist()
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        SOURCE.replace("1e-12", "1e-11"),
-        SOURCE.replace('"heard", "heard_alpha"', '"heard_alpha", "heard"'),
-        SOURCE.replace('"beta": 0.0', '"beta_": 0.0').replace("me.beta", "me.beta_"),
-    ],
-)
+@pytest.mark.parametrize("other", [
+    SOURCE.replace("1e-12", "1e-11"),
+    SOURCE.replace('"heard", "heard_alpha"', '"heard_alpha", "heard"'),
+    SOURCE.replace('"beta": 0.0', '"beta_": 0.0').replace("me.beta", "me.beta_"),
+])  # fmt: skip
 def test_brains_that_differ_otherwise_do_not(other):
     assert compiler._brain_files(brain_of(other)) != compiler._brain_files(brain_of(SOURCE))
 
@@ -189,8 +185,7 @@ def test_large_full_networks_add_messages_in_blocks(robots):
         beta = sums_of_others(alpha)
         assert np.array_equal(states["beta"][k], beta)
         assert np.array_equal(states["x_bar"][k], sums_of_others(alpha * x_hat) / beta)
-    batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
-    assert np.array_equal(batch.final[0], states["x"][3])
+    assert np.array_equal(run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO).final[0], states["x"][3])
 
 
 @pytest.mark.long(but_every=2)
@@ -214,8 +209,6 @@ def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, whe
 
 
 # ---- work in a copy of the process
-
-
 def test_background_work_returns_its_result():
     """Nor is a copy made in a worker of somebody's pool, beside other threads, or where the system refuses one."""
     code = """

@@ -113,8 +113,7 @@ def test_what_was_asked_for_and_what_tells_rows_apart_stay_longest():
     ]
     assert printed(columns, 60) == "name K error [95 %] right [95 %]"
     assert printed(columns, 32) == "name K error [95 %] right"
-    assert printed(columns, 24) == "name K error [95 %]"
-    assert printed(columns, 20) == "name error [95 %]"
+    assert (printed(columns, 24), printed(columns, 20)) == ("name K error [95 %]", "name error [95 %]")
     assert printed(columns, 12) == "name error"
     rows = [{"first value": 0.12345678, "second": 123.456, "what": "a long text " * 4}]
     for width, shown in ((80, ["0.1235", "123.5", "a"]), (25, ["0.1235", "123.5"]), (10, ["0.1235"])):
@@ -134,8 +133,7 @@ def test_a_stop_is_no_defect(raised, here, monkeypatch, capsys):
     """A library that is imported may turn Ctrl-C into another exception."""
     monkeypatch.setattr(STOPPING, "is_set", lambda: True)
     monkeypatch.setattr("swarmcensus.cli.app.app", lambda: exec("raise raised", {"raised": raised}))
-    assert main(["doctor"]) == STOPPED
-    assert capsys.readouterr().err == "swarmcensus: stopped\n"
+    assert (main(["doctor"]), capsys.readouterr().err) == (STOPPED, "swarmcensus: stopped\n")
 
 
 def test_an_optional_argument_may_stand_behind_options(here, refused):
@@ -145,8 +143,6 @@ def test_an_optional_argument_may_stand_behind_options(here, refused):
 
 
 # ---- how much commands say: one JSON document, nothing but answers, or all that goes on
-
-
 STUDY = """
 name = "two"
 trials = 6
@@ -174,8 +170,7 @@ def said(results, monkeypatch, capsys):
     monkeypatch.chdir(results)
 
     def said(line):
-        code = main(line.split())
-        return code, *capsys.readouterr()
+        return main(line.split()), *capsys.readouterr()
 
     return said
 
@@ -301,15 +296,12 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a shell of POSIX closes them, and has /dev/full")
-@pytest.mark.parametrize(
-    ("words", "code", "said"),
-    [
-        ("list studies >&-", 0, ""),
-        ("show none.nc 2>&-", 2, ""),
-        ("list studies >&- 2>&-", 0, ""),
-        ("list studies > /dev/full", 2, "swarmcensus: No space left on device\n"),
-    ],
-)
+@pytest.mark.parametrize(("words", "code", "said"), [
+    ("list studies >&-", 0, ""),
+    ("show none.nc 2>&-", 2, ""),
+    ("list studies >&- 2>&-", 0, ""),
+    ("list studies > /dev/full", 2, "swarmcensus: No space left on device\n"),
+])  # fmt: skip
 def test_streams_that_are_closed_or_full_have_an_exit_code(words, code, said, results):
     line = f"{sys.executable} -m swarmcensus {words}"
     done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)

@@ -65,8 +65,6 @@ def test_a_quick_benchmark_ends(name, question, benchmark, monkeypatch):
 
 
 # ---- the tables of machines have all brains, and their command compares what they say
-
-
 @pytest.fixture
 def machines(benchmark):
     return benchmark("machines")

@@ -56,8 +56,6 @@ def examples(*languages):
 
 
 # ---- run
-
-
 @pytest.fixture
 def folder(here, monkeypatch):
     """A folder with the shipped studies, and the files of the example beside them."""
@@ -137,8 +135,6 @@ def test_the_study_page_shows_errors_as_they_are(right, wrong, here, capsys):
 
 
 # ---- read
-
-
 @examples("toml")
 def test_toml_is_a_study_or_a_change_to_one(text):
     tables = {"trials": 1, "swarm": {"robots": 20, "accuracy": 0.7}, "world": {"topology": "ring", "fill_ratio": 0.55}}

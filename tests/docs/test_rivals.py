@@ -101,8 +101,6 @@ def test_the_arena_of_liars_is_the_published_experiment():
 
 
 # ---- docs/paper.md has the numbers of `swarmcensus reproduce`, as it prints them, and the engine still gives them
-
-
 TEXT = (DOCS / "paper.md").read_text(encoding="utf-8")
 CLAIMS = TEXT.partition("## Choices")[0]
 FOUND = {row["claim"]: row for row in cells_of("paper-claims")}

@@ -35,13 +35,10 @@ def on_atmega(source):
 
 
 @pytest.mark.long(but=["commons-atmega", "commons-cortex", "w-msr-cortex"])
-@pytest.mark.parametrize(
-    ("chip", "rounds"),
-    [
-        pytest.param(on_atmega, SHORT, id="atmega", marks=AVR),
-        pytest.param(hosts.on_cortex, None, id="cortex", marks=CORTEX),
-    ],
-)
+@pytest.mark.parametrize(("chip", "rounds"), [
+    pytest.param(on_atmega, SHORT, id="atmega", marks=AVR),
+    pytest.param(hosts.on_cortex, None, id="cortex", marks=CORTEX),
+])  # fmt: skip
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_brains_on_chips(name, chip, rounds, tmp_path):
     brain = load_busy(name, "single", "ratio8" if is_exact(load_busy(name, "single")) else "float32")
@@ -143,8 +140,7 @@ def avr(benchmark):
 
 def table_of_costs():
     """The rows of the table of costs, by brain."""
-    rows = cells_of("atmega328p")
-    return {name: cells for name, *cells, _ in map(dict.values, rows)}
+    return {name: cells for name, *cells, _ in map(dict.values, cells_of("atmega328p"))}
 
 
 def test_the_table_has_the_costs_of_all_brains(avr):

@@ -33,8 +33,7 @@ def made(tmp_path, brain, goal):
 @SIMULATOR
 @pytest.mark.parametrize("brain", ["commons", "sure", pytest.param(DATA / "whole.py", id="whole")])
 def test_twenty_robots_live_again_to_the_bit(tmp_path, brain):
-    robot = made(tmp_path, brain, "run")
-    recording = read_recording(robot / "logs")
+    recording = read_recording(made(tmp_path, brain, "run") / "logs")
     lives = relive_all(recording)
     assert len(lives) == 20
     assert all(life.relived == life.ticks > 1990 and not (life.breaks or life.lost) for life in lives)

@@ -22,8 +22,6 @@ Key = tuple[int, int]
 
 
 # ---- random numbers: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011
-
-
 def threefry(key: Key, high: tuple[int, int], low: tuple[int, int]) -> Key:
     """Threefry-2x64-13 of a counter whose two words are made of two 32-bit numbers each."""
     keys = (*key, 0x1BD11BDAA9FC1A22 ^ key[0] ^ key[1])
@@ -70,8 +68,6 @@ def tile_unit(key: np.ndarray, trial: int, purpose: int, column: int, row: int) 
 
 
 # ---- what changes while robots look
-
-
 def fill_ratio_in(setting: Setting, tick: int) -> float:
     """The fill ratio of a round or tick: the last with the old one is at - 1, the first with the new one is until."""
     change = setting.change
@@ -93,8 +89,6 @@ def accuracy_in(setting: Setting, member: int, start: float, tick: int) -> float
 
 
 # ---- who hears whom on fixed networks
-
-
 def hearers(setting: Setting, key: np.ndarray | None, trial: int) -> list[list[int]]:
     """Whom each robot hears, in order."""
     n, topology = setting.robots, setting.topology
@@ -150,8 +144,6 @@ def failures(setting: Setting, keys: list[np.ndarray], trial: int) -> Failures:
 
 
 # ---- states
-
-
 class States:
     """The states of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
 

@@ -104,8 +104,6 @@ def test_liars_talk_in_the_same_format(adversary):
 
 
 # ---- the codec
-
-
 def test_half_precision_is_that_of_ieee():
     numbers = [*np.random.default_rng(1).normal(size=2000) * 2.0 ** np.linspace(-30, 16, 2000), 0.0, 65519.9]
     every = np.arange(65536, dtype=np.uint16).view(np.float16)
@@ -126,8 +124,7 @@ def test_codes_stand_for_the_nearest_numbers():
             *range(len(every))
         ]
         for x in random.uniform(-1.0, 2.0, 200):
-            read = codec.read_share(x, steps)
-            assert abs(read - x) == pytest.approx(np.abs(every - x).min(), abs=1e-12)
+            assert abs(codec.read_share(x, steps) - x) == pytest.approx(np.abs(every - x).min(), abs=1e-12)
     assert [codec.log_code(codec.log_value(float(k))) for k in range(256)] == [*range(256)]
     for x in 2.0 ** random.uniform(-16, 47, 500):
         assert codec.read_log(x) == pytest.approx(reference_formats.log(x), rel=1e-15)
@@ -151,8 +148,6 @@ def test_the_codec_in_single_precision_has_the_bits_of_float32():
 
 
 # ---- what users see
-
-
 @pytest.mark.interpreted
 def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
     study = study_of(
@@ -169,8 +164,7 @@ def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
     for setting, size in zip(study.settings(), data["message_bytes"].values, strict=True):
         if setting.message != "double":
             assert size == reference_formats.size(setting.brain)
-    again = sc.replay(data, 3, 1)
-    assert again["estimate"].values[-1].tolist() == data["final_estimate"].values[3, 1].tolist()
+    assert sc.replay(data, 3, 1)["estimate"].values[-1].tolist() == data["final_estimate"].values[3, 1].tolist()
 
 
 @pytest.mark.interpreted
@@ -191,15 +185,12 @@ def test_overflowing_numbers_are_counted_and_clipped(tmp_path, accepted):
     assert sc.replay(data, 0, 0, brain_file=path)["heard"].values[-1].tolist() == [65504.0, 65504.0]
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"precision": "half"}, 'swarm.precision = "half"'),
-        ({"message": "bfloat16"}, "did you mean 'float16'"),
-        ({"feedback": False}, "world.feedback"),
-        ({"feedback": "yes"}, 'world.feedback = "yes"'),
-    ],
-)
+@pytest.mark.parametrize(("given", "said"), [
+    ({"precision": "half"}, 'swarm.precision = "half"'),
+    ({"message": "bfloat16"}, "did you mean 'float16'"),
+    ({"feedback": False}, "world.feedback"),
+    ({"feedback": "yes"}, 'world.feedback = "yes"'),
+])  # fmt: skip
 def test_unknown_formats_are_named(given, said):
     with pytest.raises(sc.InputError) as error:
         study_of(**given)
@@ -221,8 +212,6 @@ def test_an_error_in_single_precision_has_the_line_of_the_file():
 
 
 # ---- small swarms on fixed networks against the reference, and batches of trials against their curves
-
-
 ONE_WAY = {"name": "one way", "edges": [[0, 3], [3, 1], [1, 3], [2, 0]], "directed": True}
 CASES = [
     {"robots": [1, 2, 5], "topology": ["full", "ring", "line", "scale-free"]},
@@ -302,13 +291,10 @@ def test_length_of_segments():
     assert trials.segment_length(10**6, 10**9, 8, 7) % 7 == 0
     assert trials.segment_length(10**9, 50, 8, 1) == 7
     assert trials.segment_length(10**6, 120, 8, 1) == 100  # of a crowd, a hundred
-    assert trials.segment_length(10**5, 120, 8, 1) == 100
-    assert trials.segment_length(10**10, 1, 8, 1) == 1
+    assert (trials.segment_length(10**5, 120, 8, 1), trials.segment_length(10**10, 1, 8, 1)) == (100, 1)
 
 
 # ---- swarms that use all of the contract's optional functions live the life of the reference, in every kind of world
-
-
 SOME = [{"robots": 0.4, "brain": brain(TALKS, "talks.py"), "honest": False}]
 FUNCTIONS = {
     "all": (ALL, {"robots": [1, 5], "topology": ["full", "ring", "line", "scale-free"]}),

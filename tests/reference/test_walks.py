@@ -19,8 +19,6 @@ from tests.support.steering import WANTS, steered_in
 from tests.support.trials import record_ride
 
 # ---- bodies
-
-
 BODIES = {
     "default": ({}, 6, 8.0, 25),
     "alone": ({}, 1, 20.0, 30),
@@ -69,8 +67,6 @@ def test_robots_walk_as_in_the_reference(name):
 
 
 # ---- states
-
-
 MOVES = [
     {},
     {"robots": 1, "density": 2.0},
@@ -93,8 +89,7 @@ def test_swarms_that_move_live_the_life_of_the_reference(case):
 def same_life(setting, trial):
     ride = record_ride(setting, SEED, trial)
     life = reference_walks.lives(setting, SEED, trial, failing(setting, trial))
-    poses = [life.begin, *(now.poses for now in life.ticks)]
-    assert ride.poses == pytest.approx(np.array(poses), abs=1e-9)
+    assert ride.poses == pytest.approx(np.array([life.begin, *(now.poses for now in life.ticks)]), abs=1e-9)
     assert (ride.looked[1:] == np.array([now.looked for now in life.ticks])).all()
     assert not ride.looked[0].any()
     assert (ride.colours[1:] == np.array(life.colours)).all()

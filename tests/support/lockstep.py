@@ -95,8 +95,7 @@ class Swarm:
         alive = [i for i, robot in enumerate(self.robots) if robot is not None]
         for i in alive:
             robot, body = self.robots[i], self.bodies[i]
-            looks = [bool(x) for x in self.readings[self.tick - 1, :, i] if not np.isnan(x)]
-            body.looks, body.sent = looks, []
+            body.looks, body.sent = [bool(x) for x in self.readings[self.tick - 1, :, i] if not np.isnan(x)], []
             self.lots[i][:] = self._own(i, DRAW_OBSERVE)
             robot.speak()
             if robot.log.read[1] and self.lies(i, self.tick):

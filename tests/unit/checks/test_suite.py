@@ -284,20 +284,17 @@ def test_rounding_and_fair_draws_are_no_faults(changes, tmp_path):
 
 
 @pytest.mark.long(but=["change0-gives me.n = "])
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ((OWN, OWN + "    calls = CALLS\n    calls += (1.0,)\n    me.n += 1e-6 * len(CALLS)\n"), "gives me.n = "),
-        (
-            ("return (me.n,)", "calls = CALLS\n    calls += (1.0,)\n    return (me.n + len(CALLS) % 5.0,)"),
-            "broadcast (line 15) gives (0.0,) and then (1.0,)",
-        ),
-        (
-            ("    if me.t ==", "    calls = CALLS\n    calls += (1.0,)\n    if len(CALLS) % 7.0 == 0.0 or me.t =="),
-            "estimate (line 27) gives ",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    ((OWN, OWN + "    calls = CALLS\n    calls += (1.0,)\n    me.n += 1e-6 * len(CALLS)\n"), "gives me.n = "),
+    (
+        ("return (me.n,)", "calls = CALLS\n    calls += (1.0,)\n    return (me.n + len(CALLS) % 5.0,)"),
+        "broadcast (line 15) gives (0.0,) and then (1.0,)",
+    ),
+    (
+        ("    if me.t ==", "    calls = CALLS\n    calls += (1.0,)\n    if len(CALLS) % 7.0 == 0.0 or me.t =="),
+        "estimate (line 27) gives ",
+    ),
+])  # fmt: skip
 def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     calls = ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nCALLS = [0.0]')
     fault = faults_of(made(tmp_path / "bad.py", change, calls, CLIP))["the same history gives the same state"]
@@ -306,17 +303,13 @@ def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
 
 
 @pytest.mark.long(but=["in a function"])
-@pytest.mark.parametrize(
-    ("lines", "said"),
-    [
-        ("    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n",
-         "it did not end within 0.5 s: observe has not returned, at line 13$"),
-        ("    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
-         r"it did not end within 0.5 s: observe has not returned, at line 1[67] in rest$"),
-        ("    me.n += 0.0 * (1 << 10**11)\n", "observe fails at line 12 .*(MemoryError|OverflowError)"),
-    ],
-    ids=["power", "in a function", "too large"],
-)  # fmt: skip
+@pytest.mark.parametrize(("lines", "said"), [
+    ("    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n",
+     "it did not end within 0.5 s: observe has not returned, at line 13$"),
+    ("    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
+     r"it did not end within 0.5 s: observe has not returned, at line 1[67] in rest$"),
+    ("    me.n += 0.0 * (1 << 10**11)\n", "observe fails at line 12 .*(MemoryError|OverflowError)"),
+], ids=["power", "in a function", "too large"])  # fmt: skip
 def test_a_function_that_does_not_return_is_named(lines, said, here, monkeypatch):
     """Endless loops, numbers of a hundred million digits, and what brings the process down; in a folder of any name."""
     Path("bräin").mkdir()
@@ -327,16 +320,13 @@ def test_a_function_that_does_not_return_is_named(lines, said, here, monkeypatch
     assert re.search(said, found["remembers numbers in MEMORY's fields, nothing else"])
 
 
-@pytest.mark.parametrize(
-    ("returncode", "stderr", "begun", "said"),
-    [
-        (-9, "", KEEPS, "it ends its process by SIGKILL: most likely it is out of memory"),
-        (3, "Fatal: no\n", KEEPS, "it ends its process: Fatal: no"),
-        (1, "Timeout (0:00:09)!", COMPILES, "it did not end within 9 s: Numba is compiling it"),
-        (1, "Timeout (0:00:09)!", AGREES, "it did not end within 9 s: its machine code has not returned, and in CPy"),
-        (1, "Timeout (0:00:09)!", NUMBERS, "it did not end within 9 s: it is slow"),
-    ],
-)
+@pytest.mark.parametrize(("returncode", "stderr", "begun", "said"), [
+    (-9, "", KEEPS, "it ends its process by SIGKILL: most likely it is out of memory"),
+    (3, "Fatal: no\n", KEEPS, "it ends its process: Fatal: no"),
+    (1, "Timeout (0:00:09)!", COMPILES, "it did not end within 9 s: Numba is compiling it"),
+    (1, "Timeout (0:00:09)!", AGREES, "it did not end within 9 s: its machine code has not returned, and in CPy"),
+    (1, "Timeout (0:00:09)!", NUMBERS, "it did not end within 9 s: it is slow"),
+])  # fmt: skip
 def test_why_the_process_of_a_check_ended(returncode, stderr, begun, said):
     done = SimpleNamespace(returncode=returncode, stderr=stderr)
     assert checking._why_it_ended(done, brains.load("alone"), begun, 9.0).startswith(said)

@@ -29,9 +29,8 @@ from tests.support.second import ALL, RANDOM, brain
 from tests.support.small import SEED, heard_in, moving_of, settings_of, study_of
 from tests.support.trials import record_trial
 
+
 # ---- random numbers
-
-
 def test_the_reference_is_threefry():
     """The published vectors of Threefry-2x64 with 13 rounds, and the engine's cipher on any counter."""
     zero, one = (0, 0), (2**32 - 1, 2**32 - 1)
@@ -113,8 +112,6 @@ def test_purposes_share_no_numbers():
 
 
 # ---- readings
-
-
 @numba.njit
 def made(sensors):
     source = source_of(sensors)
@@ -172,12 +169,11 @@ def test_black_counts_are_binomial_and_addressed(looks):
 @pytest.mark.interpreted
 @pytest.mark.parametrize("looks", [3, PART + 2])
 @pytest.mark.parametrize("change", [{"at": 3}, {"at": 2, "until": 4}], ids=["switch", "drift"])
-@pytest.mark.parametrize(
-    ("accuracy", "members"),
-    [(0.8, []), ({"start": 0.8, "drift": -0.07, "least": 0.6}, []), ({"start": "U(0.6, 0.8)", "drift": 0.1}, []),
-     (0.8, [{"robots": 2, "accuracy": {"start": "U(0.7, 0.8)", "drift": -0.2}}]),
-     ({"start": 0.8, "drift": -0.07}, [{"robots": 2, "accuracy": {"black": 0.9, "white": 0.6}}])],
-)  # fmt: skip
+@pytest.mark.parametrize(("accuracy", "members"), [
+    (0.8, []), ({"start": 0.8, "drift": -0.07, "least": 0.6}, []), ({"start": "U(0.6, 0.8)", "drift": 0.1}, []),
+    (0.8, [{"robots": 2, "accuracy": {"start": "U(0.7, 0.8)", "drift": -0.2}}]),
+    ({"start": 0.8, "drift": -0.07}, [{"robots": 2, "accuracy": {"black": 0.9, "white": 0.6}}]),
+])  # fmt: skip
 def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members, change, looks):
     """In each round those of tables that stand for its own fill ratio and accuracies."""
     study = study_of(
@@ -190,8 +186,7 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
         b, w = (np.broadcast_to(side[0], 5) for side in sampling.accuracies(setting, SEED, trial, 1)[:2])
         who = sampling.groups(setting, SEED, trial, 1)[0]
         _, _, blacks = record_trial(setting, SEED, trial)
-        readings = record_readings(setting, SEED, trial).reshape(5, looks, 5)
-        assert (readings.sum(axis=1) == blacks[1:]).all()
+        assert (record_readings(setting, SEED, trial).reshape(5, looks, 5).sum(axis=1) == blacks[1:]).all()
         for tick, i in itertools.product(range(1, 6), range(5)):
             now = [reference.accuracy_in(setting, who[i], side[i], tick) for side in (b, w)]
             tables = tables_of(*(np.array([side]) for side in now), reference.fill_ratio_in(setting, tick), looks)
@@ -206,8 +201,6 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
 
 
 # ---- what is drawn once a trial
-
-
 def test_uniform_spreads_are_of_trial_and_robot():
     key, out = address(SEED, "spread"), np.empty((2, 5))
     compile_world().draw_uniform(key, 3, 0.2, 0.7, out)
@@ -269,8 +262,6 @@ def test_scale_free_networks_are_grown_robot_by_robot(robots):
 
 
 # ---- faults
-
-
 def failed_by(stops_of_trial, part, at):
     return set(np.flatnonzero(stops_of_trial[part] == at).tolist())
 
@@ -305,8 +296,6 @@ def test_how_many_fail(said, robots, count):
 
 
 # ---- floors
-
-
 def test_noise_is_of_trial_and_tile():
     key = address(SEED, "floor")
     tiles = np.array([[[0, 0], [-3, 5]], [[5, -3], [2, 2]]], np.int32)

@@ -37,8 +37,6 @@ def test_only_what_is_needed_of_the_engine_is_compiled():
 
 
 # ---- the compiled engine against the oracle, against CPython, and against itself in other batches
-
-
 GO = np.zeros(1, np.uint8)
 MEASURE = Metrics(0.01, 10, (10, 60))
 

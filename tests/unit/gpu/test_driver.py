@@ -159,8 +159,7 @@ def card(monkeypatch, tmp_path):
 def test_kernels_change_what_was_uploaded(card):
     def twice(blocks, threads, shared, struct):
         assert (blocks, threads, shared) == (3, 64, 100_000)
-        address = ctypes.c_uint64.from_address(struct).value
-        np.frombuffer(card.memory[address], np.float64)[:] *= 2.0
+        np.frombuffer(card.memory[ctypes.c_uint64.from_address(struct).value], np.float64)[:] *= 2.0
 
     card.kernels["twice"] = twice
     opened, found = open_driver(), np.empty(4)
@@ -168,8 +167,7 @@ def test_kernels_change_what_was_uploaded(card):
     opened.launch(opened.build(TWICE), "twice", 3, 64, 100_000, np.uint64(buffer.address).tobytes())
     assert opened.wait(GOING)
     opened.download(buffer, found)
-    assert found.tolist() == [0.0, 4.0, 8.0, 12.0]
-    assert card.called.count("cuFuncSetAttribute") == 1
+    assert (found.tolist(), card.called.count("cuFuncSetAttribute")) == ([0.0, 4.0, 8.0, 12.0], 1)
     assert (opened.name, opened.shared) == ("Fake 1", 232_448)
 
 
@@ -326,8 +324,7 @@ def test_the_real_compiler_writes_code_and_says_errors(compile_for_a_card):
 @pytest.mark.parametrize("kernels", ["trials.cu", "crowds.cu", "alone.cu"])
 @pytest.mark.parametrize("brain", ["commons", "three-state"])
 def test_the_real_compiler_takes_the_kernels(compile_for_a_card, brain, kernels):
-    study = study_of(brain, link_success=0.8, message="ratio16", precision="single")
-    setting = study.settings()[0]
+    setting = study_of(brain, link_success=0.8, message="ratio16", precision="single").settings()[0]
     features = features_of(setting, inputs_of(setting, 0, 0))
     assert compile_for_a_card(source(setting.brains, features, kernels, 128)).startswith(b"\x7fELF")
     assert compile_for_a_card(measures()).startswith(b"\x7fELF")

@@ -194,27 +194,21 @@ def test_what_is_done_is_kept_when_the_scheduler_goes(here, threads):
     assert same(run(study(LONG), jobs=2, out="s.nc"), threads)
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--cluster", "host:8786"], "tcp://host:8786"),
-        (["--cluster", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
-        (["--cluster", "tcp://host:8786", "--jobs", "3"], "--jobs 3"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    (["--cluster", "host:8786"], "tcp://host:8786"),
+    (["--cluster", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
+    (["--cluster", "tcp://host:8786", "--jobs", "3"], "--jobs 3"),
+])  # fmt: skip
 def test_a_cluster_that_is_not_there_is_one_sentence(here, refused, monkeypatch, options, said):
     monkeypatch.setattr(clusters, "CONNECT", "0.5s")
     Path("s.toml").write_text(FIXED)
     assert said in refused("run", "s.toml", *options)
 
 
-@pytest.mark.parametrize(
-    ("known", "said"),
-    [
-        (["ca-file", "client.cert", "client.key"], "[Errno 2] No such file or directory"),
-        ([], "needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
-    ],
-)
+@pytest.mark.parametrize(("known", "said"), [
+    (["ca-file", "client.cert", "client.key"], "[Errno 2] No such file or directory"),
+    ([], "needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
+])  # fmt: skip
 def test_certificates_that_are_missing_are_found_first(here, refused, monkeypatch, known, said):
     monkeypatch.setattr(clusters, "CONNECT", "3s")
     Path("s.toml").write_text(FIXED)

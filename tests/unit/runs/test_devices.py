@@ -189,8 +189,7 @@ def test_auto_runs_on_the_cpu_without_a_card(no_card, caplog, monkeypatch):
 @pytest.mark.parametrize("made", ["cpu", "gpu"])
 def test_verify_compares_a_card_with_the_cpu(made, card, here):
     run(ring(measure={"local": True}), device=made, out="r.nc")
-    other = {"cpu": "gpu", "gpu": "cpu"}[made]
-    assert main(["verify", "r.nc", "--all", "--device", other]) == 0
+    assert main(["verify", "r.nc", "--all", "--device", {"cpu": "gpu", "gpu": "cpu"}[made]]) == 0
     assert bool(card.batches)
 
 
@@ -272,6 +271,5 @@ def test_merged_files_name_the_cards_of_all(card, here):
 def test_rules_run_on_a_card_in_stages(card):
     rule = {"until": "final_estimate mean +- 4e-3", "at_least": 8, "at_most": 200}
     study = study_of(robots=4, rounds=20, trials=rule)
-    on_card = run(study, device="gpu")
-    assert np.array_equal(on_card["half_width"], run(study)["half_width"])
+    assert np.array_equal(run(study, device="gpu")["half_width"], run(study)["half_width"])
     assert card.batches

@@ -179,8 +179,7 @@ def test_after_a_cut(known, name, monkeypatch):
 @pytest.mark.long(but=QUICK)
 @every
 def test_in_shares(known, name):
-    parts = [sc.run(study(name), jobs=1, share=(k, 3)) for k in (1, 2, 3)]
-    assert same(sc.merge(parts), known[name])
+    assert same(sc.merge([sc.run(study(name), jobs=1, share=(k, 3)) for k in (1, 2, 3)]), known[name])
 
 
 @pytest.mark.long

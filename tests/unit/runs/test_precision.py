@@ -26,11 +26,10 @@ def needed(data):
     return (data["convergence_round"].values[:, :, 0] >= 0).sum(axis=1)
 
 
-@pytest.mark.parametrize(
-    ("rule", "variable"),
-    [("convergence_error median +- 0.003", "convergence_error"), ("convergence_round mean ± 2", "convergence_round"),
-     ("final_estimate mean +- 4e-3", "final_estimate"), ("correct@20 mean +- 0.03", "correct")],
-)  # fmt: skip
+@pytest.mark.parametrize(("rule", "variable"), [
+    ("convergence_error median +- 0.003", "convergence_error"), ("convergence_round mean ± 2", "convergence_round"),
+    ("final_estimate mean +- 4e-3", "final_estimate"), ("correct@20 mean +- 0.03", "correct"),
+])  # fmt: skip
 def test_each_setting_gets_what_it_needs(rule, variable):
     asked = study(rule)
     data = sc.run(asked, jobs=2)
@@ -108,28 +107,24 @@ def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
     assert rule.half_width(values) > (high - low) / 2
 
 
-@pytest.mark.parametrize(
-    ("trials", "said"),
-    [
-        ({"until": "speed median +- 1"}, "should be such as"),
-        ({"until": "correct mean +- 0.1"}, "should be such as"),
-        ({"until": "convergence_error@10 mean +- 0.1"}, "should be such as"),
-        ({"until": "convergence_error mean +- 0"}, "should be such as"),
-        ({"until": "correct@11 mean +- 0.1"}, "11 is no checkpoint"),
-        ({"until": "final_estimate mean +- 1", "at_least": 3}, "trials.at_least = 3"),
-        ({"until": "final_estimate mean +- 1", "at_least": 30, "at_most": 20}, "at_most = 20 is less than"),
-        ({"until": "final_estimate mean +- 1", "at_last": 30}, "did you mean 'at_least'"),
-        ({"at_least": 30}, "trials.until is missing"),
-    ],
-)
+@pytest.mark.parametrize(("trials", "said"), [
+    ({"until": "speed median +- 1"}, "should be such as"),
+    ({"until": "correct mean +- 0.1"}, "should be such as"),
+    ({"until": "convergence_error@10 mean +- 0.1"}, "should be such as"),
+    ({"until": "convergence_error mean +- 0"}, "should be such as"),
+    ({"until": "correct@11 mean +- 0.1"}, "11 is no checkpoint"),
+    ({"until": "final_estimate mean +- 1", "at_least": 3}, "trials.at_least = 3"),
+    ({"until": "final_estimate mean +- 1", "at_least": 30, "at_most": 20}, "at_most = 20 is less than"),
+    ({"until": "final_estimate mean +- 1", "at_last": 30}, "did you mean 'at_least'"),
+    ({"at_least": 30}, "trials.until is missing"),
+])  # fmt: skip
 def test_bad_rules(trials, said):
     with pytest.raises(InputError, match=re.escape(said)):
         sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE, measure=MEASURE)
 
 
 def test_the_report_lists_what_each_setting_needed(here, accepted):
-    asked = study("convergence_error median +- 0.003")
-    (here / "s.toml").write_text(asked.text)
+    (here / "s.toml").write_text(study("convergence_error median +- 0.003").text)
     shown = accepted("run", "s.toml").out
     rows = {words[0]: words[-2] for line in shown.splitlines() if (words := line.split())}
     assert [int(rows[str(k)]) for k in range(4)] == needed(sc.load("s.nc")).tolist()

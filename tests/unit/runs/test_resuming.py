@@ -206,15 +206,12 @@ def test_any_flipped_bit_is_noticed(here):
 
 
 @pytest.mark.long(but=["True-change0-seed is 7 there and 8 here"])
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (("seed = 7", "seed = 8"), "seed is 7 there and 8 here"),
-        (("measure = {", "measure = {delta = 0.02, "), "delta is 0.01 there and 0.02 here"),
-        (("0.7, ", ""), "swarm.accuracy is [0.7, 'U(0.525, 0.975)'] there and ['U(0.525, 0.975)'] here. --fresh runs"),
-        (("trials = 6", "trials = 5"), "holds 6 trials a setting, this study asks for 5"),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    (("seed = 7", "seed = 8"), "seed is 7 there and 8 here"),
+    (("measure = {", "measure = {delta = 0.02, "), "delta is 0.01 there and 0.02 here"),
+    (("0.7, ", ""), "swarm.accuracy is [0.7, 'U(0.525, 0.975)'] there and ['U(0.525, 0.975)'] here. --fresh runs"),
+    (("trials = 6", "trials = 5"), "holds 6 trials a setting, this study asks for 5"),
+])  # fmt: skip
 @pytest.mark.parametrize("finished", [True, False])
 def test_work_of_another_run_is_refused(change, said, finished, here, capsys, monkeypatch):
     monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))  # as after its first second
@@ -355,8 +352,7 @@ def test_a_trial_that_fails_fails_alone(here, capsys):
     # what did not fail is what the same brain gives without the fault, which is never reached there
     good = sc.run(sc.Study.parse(text.replace(', "bad.py"', "")), jobs=2)
     kept = data["final_estimate"].values[4:]
-    expected = good["final_estimate"].values
-    assert np.array_equal(kept[done[4:]], expected[done[4:]])
+    assert np.array_equal(kept[done[4:]], good["final_estimate"].values[done[4:]])
 
 
 def test_fresh_run_is_resumed(here, whole):
@@ -523,8 +519,6 @@ def test_what_cannot_be_shared(here, refused):
 
 
 # ---- what a run finds at its output and leaves there: links, other checkpoints, vanished folders, unfinished results
-
-
 def test_links_to_one_output_lock_each_other():
     Path("real").mkdir()
     Path("a.nc").symlink_to("real/b.nc")

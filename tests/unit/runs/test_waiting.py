@@ -19,8 +19,6 @@ from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.small import study_of
 
 # ---- what a study's work is cut into, and the order in which it is run
-
-
 LONG = {
     "trials": 40,
     "swarm": {"robots": [50, 100], "accuracy": [0.6, 0.8]},
@@ -41,16 +39,13 @@ def test_some_trials_of_every_setting_come_before_more_of_any(seconds, local):
     seen = np.zeros((2, *wanted.shape), np.int64)
     for task in tasks:
         of_kind = seen[int(task.kind == "local")]
-        before = of_kind.any(axis=1)
-        again = before[list(task.settings)].any()
+        again = of_kind.any(axis=1)[list(task.settings)].any()
         assert not again or seen[: 1 + local].any(axis=2).all(), "a second task before the first of another setting"
         of_kind[list(task.settings), task.first : task.first + task.trials] += 1
     assert (seen[: 1 + local] == 1).all(), "every trial once"
 
 
 # ---- what a person sees who waits for the compiler: one line with a count, whatever the number of brains
-
-
 class Terminal(io.StringIO):
     """A terminal of 100 columns, as far as a bar is concerned."""
 
@@ -94,8 +89,6 @@ def test_compiling_bar_on_a_terminal(monkeypatch):
 
 
 # ---- what a study of large swarms keeps in memory while it runs, and what it does not
-
-
 ROBOTS = 60_000
 BYTES = 36 * ROBOTS  # of results, a setting
 
@@ -116,8 +109,7 @@ def peak(settings, out):
     """The most bytes that a run has at once, but for what lies in files; and its dataset."""
     tracemalloc.start()
     try:
-        data = run(crowds(settings), 1, progress=False, out=out)
-        return tracemalloc.get_traced_memory()[1], data
+        return tracemalloc.get_traced_memory()[1], run(crowds(settings), 1, progress=False, out=out)
     finally:
         tracemalloc.stop()
 

@@ -72,14 +72,11 @@ def test_a_function_is_allowed_or_refused_with_its_line(name):
         assert f"x.py, line 8: uses math.{name}, which {who} on a robot lacks: " in refused(source)
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),
-        ("pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))", "* in a tuple, as in (*pair, 2.0): write its items one"),
-        ("me.x = (1.0, 0.5, 0.0)[::2][1]", "step in a slice, as in (1.0, 0.5, 0.0)[::2]: a loop over range is right"),
-    ],
-)
+@pytest.mark.parametrize(("line", "said"), [
+    ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),
+    ("pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))", "* in a tuple, as in (*pair, 2.0): write its items one"),
+    ("me.x = (1.0, 0.5, 0.0)[::2][1]", "step in a slice, as in (1.0, 0.5, 0.0)[::2]: a loop over range is right"),
+])  # fmt: skip
 def test_syntax_that_micropython_lacks(line, said):
     error = refused(TINY.replace("    me.x = 0.5\n", f"    {line}\n"))
     assert f"line {8 + line.startswith('pair')}: MicroPython on a robot has no {said}" in error
@@ -112,8 +109,7 @@ def test_own_names_are_no_functions_of_math():
 
 
 def test_what_avr_boards_lack():
-    tree = ast.parse(brains.load("bayes-bots").source)
-    assert robot_math.missing_on_avr(tree) == ["lgamma"]
+    assert robot_math.missing_on_avr(ast.parse(brains.load("bayes-bots").source)) == ["lgamma"]
     lacks = "AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks lgamma"
     assert checking.notes_on("bayes-bots", brains.load("bayes-bots"), "") == [lacks]
     assert checking.notes_on("commons", brains.load("commons"), "") == []

@@ -151,8 +151,7 @@ class World:
         self.chance = random.Random(1)
 
     def node(self, number, **parameters):
-        given = {"number": number, **parameters}
-        return self.example.RobotNode(parameter_overrides=list(given.items()))
+        return self.example.RobotNode(parameter_overrides=list({"number": number, **parameters}.items()))
 
     def run(self, ticks):
         for _ in range(4 * ticks):
@@ -262,8 +261,7 @@ def test_ticks_follow_the_clock_of_ros(ros):
         clock.ms = begin
         world.run(50)
         ticks.append(node.robot.ticks)
-    assert ticks == [50, 100, 150]
-    assert node.robot.missed == 0
+    assert (ticks, node.robot.missed) == ([50, 100, 150], 0)
 
 
 def test_a_node_reads_the_newest_reading(ros):
@@ -284,14 +282,11 @@ def test_datagrams_of_all_robots_wait_for_a_tick(ros):
     assert node.robot.refused == 39  # and its own
 
 
-@pytest.mark.parametrize(
-    ("given", "says"),
-    [
-        *(({"number": number}, "number should be a whole number from 0 to 65535") for number in (-1, 65536, "three")),
-        *(({"number": 3, "depth": depth}, "depth should be a whole number from 1") for depth in (0, -1, "many", 2.5)),
-        ({}, "number should be a whole number from 0 to 65535"),
-    ],
-)
+@pytest.mark.parametrize(("given", "says"), [
+    *(({"number": number}, "number should be a whole number from 0 to 65535") for number in (-1, 65536, "three")),
+    *(({"number": 3, "depth": depth}, "depth should be a whole number from 1") for depth in (0, -1, "many", 2.5)),
+    ({}, "number should be a whole number from 0 to 65535"),
+])  # fmt: skip
 def test_a_node_without_a_number_is_refused(ros, given, says):
     with pytest.raises(SystemExit, match=says):
         ros[0].RobotNode(parameter_overrides=[*given.items()])

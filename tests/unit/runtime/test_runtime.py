@@ -79,8 +79,7 @@ def test_messages_are_read_as_in_the_reference(name, format_):
             [random_.gauss(0.5, 1.0) * size for _ in range(items)] if items else random_.gauss(0.5, 1.0) * size
             for items in brain.message.values()
         ]
-        data = ours.pack(tuple(said), 0, 1, tick)
-        assert ours.unpack(data)[3] == theirs.sent(0, tuple(said))
+        assert ours.unpack(ours.pack(tuple(said), 0, 1, tick))[3] == theirs.sent(0, tuple(said))
 
 
 @pytest.mark.parametrize("format_", ["float32", "float16"])
@@ -165,8 +164,7 @@ def test_a_sensor_that_raises_is_started_again():
     robot.sensor = Bad(True, OSError, ValueError, None, False)
     for _ in range(50):
         robot.tick()
-    assert robot.sensor_faults == 20
-    assert robot.sensor.starts == 21
+    assert (robot.sensor_faults, robot.sensor.starts) == (20, 21)
     assert robot.me.v == pytest.approx(0.7**2 * 20)  # the other twenty readings
 
 
@@ -280,8 +278,7 @@ def test_a_file_cut_anywhere_is_found_out(tmp_path):
     robot.tick()
     whole = file.read_bytes()
     for boot, cut in enumerate([*range(0, len(whole), 5), len(whole) - 1, None], 1):
-        damaged = whole[:cut] if cut is not None else whole[:9] + b"?" + whole[10:]
-        file.write_bytes(damaged)
+        file.write_bytes(whole[:cut] if cut is not None else whole[:9] + b"?" + whole[10:])
         again = robot_of()
         again.keep(str(file), 1)
         assert (again.boot, again.ticks, again.me.v) == (boot, 0, 0.0)

@@ -114,8 +114,7 @@ def test_an_infinite_interval_has_no_width():
 def test_nobody_is_asked_to_decide_before_the_first_round():
     """A brain that divides by what it has seen need not ask whether it has seen anything."""
     source = MEANS + "\n\ndef decide(me):\n    return 1 if me.n / me.t > 0.5 else 0\n"
-    found = told(source + "\n\ndef done(me):\n    return me.t > 3.0\n")
-    assert (found["decision_round"] == 1).all()
+    assert (told(source + "\n\ndef done(me):\n    return me.t > 3.0\n")["decision_round"] == 1).all()
     (setting,) = fixed(brain(source))
     fields, _, _ = record_trial(setting, SEED, 0)
     assert (fields["decided"][0] == -1).all()

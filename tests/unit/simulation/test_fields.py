@@ -53,16 +53,13 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(here, what):
         sc.run(study)
 
 
-@pytest.mark.parametrize(
-    ("message", "given", "said"),
-    [
-        pytest.param(
-            '("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says", marks=pytest.mark.long
-        ),
-        ('("seen",)', "(me.n,)", "it cannot be compiled"),
-        ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
-    ],
-)
+@pytest.mark.parametrize(("message", "given", "said"), [
+    pytest.param(
+        '("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says", marks=pytest.mark.long
+    ),
+    ('("seen",)', "(me.n,)", "it cannot be compiled"),
+    ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
+])  # fmt: skip
 def test_a_message_of_another_shape_is_refused(message, given, said):
     source = changed(
         ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS
@@ -102,8 +99,6 @@ def test_a_belief_over_ten_bins_is_bayes_rule():
 
 
 # ---- fields of a record are its attributes in CPython, whatever NumPy calls so
-
-
 NUMPYS = sorted(name for name in {*dir(np.recarray), *dir(np.record)} if not name.startswith("_"))
 
 
@@ -125,8 +120,6 @@ def test_a_number_is_one_of_cpython():
 
 
 # ---- me.name: robots are told apart, and a brain that asks for it is not anonymous
-
-
 LEADER = brains.load(EXAMPLE / "leader.py")
 HEARS = changed(
     ("MEMORY = {", 'MEMORY = {"own": -1.0, "sum": 0.0, '),

@@ -26,9 +26,7 @@ def test_coverage_and_width_of_lone_robots(looks, f, z):
     """Readings are binomial, and so the coverage and width exactly known: error rate 0.1 % of each of the two tests."""
     b, rounds, robots = 0.8, 3, 2000
     used = brain(WALD).with_parameters({"z": z})
-    (setting,) = fixed(
-        used, robots=robots, rounds=rounds, looks=looks, accuracy=b, fill_ratio=f, topology=ALONE
-    )  # fmt: skip
+    (setting,) = fixed(used, robots=robots, rounds=rounds, looks=looks, accuracy=b, fill_ratio=f, topology=ALONE)
     batch = run_batch(setting, SEED, 0, 5, Metrics(0.01, 10, (1, rounds)), GO)
     for c, made in enumerate((looks, looks * rounds)):
         ends = []
@@ -58,8 +56,6 @@ def test_interval_that_fails_in_a_replay_is_reported(world, here, refused):
 
 
 # ---- answers that are refused: of `interval` before anything runs, by the suite and where robots are asked; estimates
-
-
 WRONG = {
     "the wrong way round": ({"low": 0.75, "high": 0.25}, r"\(0.75, 0.25\)"),
     "below 0": ({"low": -0.5, "high": 0.25}, r"\(-0.5, 0.25\)"),

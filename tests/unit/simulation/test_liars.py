@@ -83,12 +83,9 @@ def test_liars_shift_what_the_honest_believe(data):
 
 
 # ---- results stand for themselves
-
-
 def test_a_trial_is_replayed(here, data):
     for setting in (0, 6, 7, 21):
-        trace = sc.replay(data, setting=setting, trial=1)
-        assert trace.sizes["robot"] == 10
+        assert sc.replay(data, setting=setting, trial=1).sizes["robot"] == 10
     assert np.isfinite(sc.replay(data, setting=7, trial=0)["liar_far"].values[-1]).sum() == 3
     assert (sc.replay(data, setting=7, trial=0)["liar_far"].max() == pytest.approx(0.12)).item()
 
@@ -113,17 +110,14 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     assert {a.name: a.source for a in there.adversaries} == {a.name: a.source for a in study.adversaries}
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("honest = false", "", "members[0].brain = 'always-black'"),
-        ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wraps the brain of its swarm"),
-        ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
-        ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
-        ('"grey.py"', '"bad.py"', "bad.py, line 2: lie uses me.y"),
-        ('"grey.py"', '"none.py"', "none.py"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("honest = false", "", "members[0].brain = 'always-black'"),
+    ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wraps the brain of its swarm"),
+    ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
+    ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
+    ('"grey.py"', '"bad.py"', "bad.py, line 2: lie uses me.y"),
+    ('"grey.py"', '"none.py"', "none.py"),
+])  # fmt: skip
 def test_wrong_liars_are_named(tmp_path, old, new, said):
     (tmp_path / "grey.py").write_text(MINE)
     (tmp_path / "bad.py").write_text("def lie(me, x):\n    return me.y\n")

@@ -45,8 +45,7 @@ def test_there_are_as_many_as_the_study_says_in_each_trial(share, count):
 
 
 def test_a_larger_share_holds_the_robots_of_a_smaller_one():
-    found = [who(members=liars(share)) == 1 for share in (0.1, 0.2, 5, 0.7)]
-    for small, large in pairwise(found):
+    for small, large in pairwise([who(members=liars(share)) == 1 for share in (0.1, 0.2, 5, 0.7)]):
         assert (small <= large).all()
         assert (small.sum(axis=1) < large.sum(axis=1)).all()
 
@@ -54,8 +53,7 @@ def test_a_larger_share_holds_the_robots_of_a_smaller_one():
 def test_tables_share_the_swarm_out_and_nobody_is_of_two():
     found = who(members=[{"robots": 0.2, "accuracy": 0.9}, {"robots": 5, "accuracy": 0.8}, *liars(0.3)])
     assert all(np.bincount(row).tolist() == [5, 4, 5, 6] for row in found)
-    two = who(members=[{"robots": 0.2, "accuracy": 0.9}])
-    assert ((found == 1) == (two == 1)).all()
+    assert ((found == 1) == (who(members=[{"robots": 0.2, "accuracy": 0.9}]) == 1)).all()
 
 
 def test_they_are_the_same_robots_whatever_else_differs():
@@ -123,16 +121,13 @@ def test_drawn_accuracies_of_members_have_their_law():
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("swarm", "member", "ours", "theirs"),
-    [
-        ({}, {"assumed_accuracy": 0.99}, (0.7, 0.7), (0.7, 0.99)),
-        ({"assumed_accuracy": 0.6}, {"accuracy": 0.9}, (0.7, 0.6), (0.9, 0.6)),
-        ({"assumed_accuracy": 0.6}, {"accuracy": 0.9, "assumed_accuracy": 0.8}, (0.7, 0.6), (0.9, 0.8)),
-        ({"assumed_accuracy": {"error": -0.1}}, {"accuracy": 0.9}, (0.7, 0.6), (0.9, 0.8)),
-        ({}, {"accuracy": 0.9, "assumed_accuracy": {"error": -0.2}}, (0.7, 0.7), (0.9, 0.7)),
-    ],
-)
+@pytest.mark.parametrize(("swarm", "member", "ours", "theirs"), [
+    ({}, {"assumed_accuracy": 0.99}, (0.7, 0.7), (0.7, 0.99)),
+    ({"assumed_accuracy": 0.6}, {"accuracy": 0.9}, (0.7, 0.6), (0.9, 0.6)),
+    ({"assumed_accuracy": 0.6}, {"accuracy": 0.9, "assumed_accuracy": 0.8}, (0.7, 0.6), (0.9, 0.8)),
+    ({"assumed_accuracy": {"error": -0.1}}, {"accuracy": 0.9}, (0.7, 0.6), (0.9, 0.8)),
+    ({}, {"accuracy": 0.9, "assumed_accuracy": {"error": -0.2}}, (0.7, 0.7), (0.9, 0.7)),
+])  # fmt: skip
 def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
     (setting,) = settings_of(6, brain(BELIEVES), rounds=2, members=[{"robots": 2} | member], **swarm)
     given, group = inputs_of(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
@@ -166,33 +161,30 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("member", "said"),
-    [
-        ({"robots": 6, "accuracy": 0.9}, "members[0].robots = 6"),
-        ({"robots": 1.5, "accuracy": 0.9}, "members[0].robots = 1.5"),
-        ({"robots": -1, "accuracy": 0.9}, "members[0].robots = -1"),
-        ({"robots": True, "accuracy": 0.9}, "members[0].robots = true"),
-        ({"robots": [0.1, "all"], "accuracy": 0.9}, "members[0].robots[1]"),
-        ({"robots": [], "accuracy": 0.9}, "members[0].robots"),
-        ({"robots": [0, 0.0], "accuracy": 0.9}, "members[0].robots = 0"),
-        ({"robots": 0.04, "accuracy": 0.9}, "members[0].robots = 0.04"),
-        ({"accuracy": 0.9}, "members[0].robots is missing"),
-        ({"robots": 2}, "members[0] differs in nothing"),
-        ({"robots": 1.0, "honest": False}, "members: of 5 robots none is honest"),
-        ({"robots": 2, "speed": 0.1}, "members[0].speed"),
-        ({"robots": 2, "honest": [True]}, "members[0].honest"),
-        ({"robots": 2, "accuracy": 1.2}, "members[0].accuracy = 1.2"),
-        ({"robots": 2, "brains": "voter"}, "unknown key members[0].brains: did you mean 'brain'"),
-        ({"robots": 2, "brain": "none.py"}, "members[0].brain"),
-        ({"robots": 2, "brain": "other.py"}, "members[0].brain = 'other.py': its MESSAGE"),
-        ({"robots": 2, "brain": "four.py"}, "members[0].brain = 'four.py'"),
-        ({"robots": 2, "brain": "slow-liar"}, "members[0].brain = 'slow-liar'"),
-        ({"robots": 2, "brain": "allways-black", "honest": False}, "did you mean 'always-black'?"),
-        ({"robots": 2, "brain": {"file": "voter", "much": 1}}, "the brain 'voter' has no parameter 'much'"),
-        ({"robots": 2, "brain": {"file": "jammer", "much": 1}, "honest": False}, "'jammer' has no parameter 'much'"),
-    ],
-)
+@pytest.mark.parametrize(("member", "said"), [
+    ({"robots": 6, "accuracy": 0.9}, "members[0].robots = 6"),
+    ({"robots": 1.5, "accuracy": 0.9}, "members[0].robots = 1.5"),
+    ({"robots": -1, "accuracy": 0.9}, "members[0].robots = -1"),
+    ({"robots": True, "accuracy": 0.9}, "members[0].robots = true"),
+    ({"robots": [0.1, "all"], "accuracy": 0.9}, "members[0].robots[1]"),
+    ({"robots": [], "accuracy": 0.9}, "members[0].robots"),
+    ({"robots": [0, 0.0], "accuracy": 0.9}, "members[0].robots = 0"),
+    ({"robots": 0.04, "accuracy": 0.9}, "members[0].robots = 0.04"),
+    ({"accuracy": 0.9}, "members[0].robots is missing"),
+    ({"robots": 2}, "members[0] differs in nothing"),
+    ({"robots": 1.0, "honest": False}, "members: of 5 robots none is honest"),
+    ({"robots": 2, "speed": 0.1}, "members[0].speed"),
+    ({"robots": 2, "honest": [True]}, "members[0].honest"),
+    ({"robots": 2, "accuracy": 1.2}, "members[0].accuracy = 1.2"),
+    ({"robots": 2, "brains": "voter"}, "unknown key members[0].brains: did you mean 'brain'"),
+    ({"robots": 2, "brain": "none.py"}, "members[0].brain"),
+    ({"robots": 2, "brain": "other.py"}, "members[0].brain = 'other.py': its MESSAGE"),
+    ({"robots": 2, "brain": "four.py"}, "members[0].brain = 'four.py'"),
+    ({"robots": 2, "brain": "slow-liar"}, "members[0].brain = 'slow-liar'"),
+    ({"robots": 2, "brain": "allways-black", "honest": False}, "did you mean 'always-black'?"),
+    ({"robots": 2, "brain": {"file": "voter", "much": 1}}, "the brain 'voter' has no parameter 'much'"),
+    ({"robots": 2, "brain": {"file": "jammer", "much": 1}, "honest": False}, "'jammer' has no parameter 'much'"),
+])  # fmt: skip
 def test_wrong_members_are_named(member, said):
     if member.get("brain") in [*OTHERS]:
         member = member | {"brain": brain(OTHERS[member["brain"]], member["brain"])}

@@ -114,18 +114,15 @@ def test_no_link_is_missing_at_any_body(small):
                 assert links_of(chunk, k, robots) == links_by_brute_force(pose[:, :2], body), (trial, body)
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (("density = [1, 6], ", ""), "world.density is missing"),
-        (("[1, 6]", "[1, 600]"), "world.density = 600.0"),
-        (("[1, 6]", "[0]"), "world.density[0] = 0"),
-        (("message_delay = 0", "message_delay = -1"), "world.body.message_delay = -1"),
-        (("message_delay = 0", "sped = 1"), "unknown key world.body.sped: did you mean 'speed'"),
-        (('"moving"', '"ring"'), "world.density"),
-        (("measure = {", "measure = {local = true, "), "measure.local = true"),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    (("density = [1, 6], ", ""), "world.density is missing"),
+    (("[1, 6]", "[1, 600]"), "world.density = 600.0"),
+    (("[1, 6]", "[0]"), "world.density[0] = 0"),
+    (("message_delay = 0", "message_delay = -1"), "world.body.message_delay = -1"),
+    (("message_delay = 0", "sped = 1"), "unknown key world.body.sped: did you mean 'speed'"),
+    (('"moving"', '"ring"'), "world.density"),
+    (("measure = {", "measure = {local = true, "), "measure.local = true"),
+])  # fmt: skip
 def test_what_is_wrong_is_named(change, said):
     assert change[0] in STUDY
     with pytest.raises(sc.InputError) as caught:

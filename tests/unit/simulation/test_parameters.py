@@ -78,22 +78,19 @@ def test_other_values_need_no_other_machine_code():
     assert (compiler.array_layout(swept).blank.view(np.float64) == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("prior = [1", "prio = [1", "no parameter 'prio': did you mean 'prior'"),
-        ('["plain.py"', '[{file = "plain.py", prior = 1}', "'plain.py' has no parameter 'prior': it has none"),
-        ("[1, 10.0, 40]", "true", "prior = True: not a number"),
-        ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
-        ("[1, 10.0, 40]", "[]", "prior = []"),
-        ("[1, 10.0, 40]", "[1, 1.0]", "two entries of swarm.brain have one name: plain.py, prior.py prior=1.0"),
-        ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]"),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "[0.1, 0.2, 0.3]", "among = [0.1, 0.2, 0.3]"),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5"),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "[[0.1, nan]]", "among = [0.1, nan]: not a number"),
-        ('file = "prior.py", ', "", "a brain with parameters is a table such as"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("prior = [1", "prio = [1", "no parameter 'prio': did you mean 'prior'"),
+    ('["plain.py"', '[{file = "plain.py", prior = 1}', "'plain.py' has no parameter 'prior': it has none"),
+    ("[1, 10.0, 40]", "true", "prior = True: not a number"),
+    ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
+    ("[1, 10.0, 40]", "[]", "prior = []"),
+    ("[1, 10.0, 40]", "[1, 1.0]", "two entries of swarm.brain have one name: plain.py, prior.py prior=1.0"),
+    ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]"),
+    ("[[0.25, 0.75], [0.0, 0.5]]", "[0.1, 0.2, 0.3]", "among = [0.1, 0.2, 0.3]"),
+    ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5"),
+    ("[[0.25, 0.75], [0.0, 0.5]]", "[[0.1, nan]]", "among = [0.1, nan]: not a number"),
+    ('file = "prior.py", ', "", "a brain with parameters is a table such as"),
+])  # fmt: skip
 def test_wrong_values_are_named(here, old, new, said):
     assert old in STUDY
     with pytest.raises(sc.InputError, match=r"swarm\.brain") as caught:

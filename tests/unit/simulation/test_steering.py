@@ -121,15 +121,12 @@ def test_a_command_that_is_no_number_ends_the_run_with_a_message(folder, monkeyp
 
 
 @pytest.mark.long(but_every=3)
-@pytest.mark.parametrize(
-    ("steer", "said"),
-    [
-        ("me.x = 0.0\n    return None", "changes me.x from 0.5 to 0.0: it may only read"),
-        ("return 1e308 * 10.0, 0.0", "gives (inf, 0.0), neither two"),
-        ("return 0.1, 0.0, 0.0", "gives (0.1, 0.0, 0.0), neither two"),
-        ("return True, 0.0", "gives (True, 0.0), neither two finite"),
-    ],
-)
+@pytest.mark.parametrize(("steer", "said"), [
+    ("me.x = 0.0\n    return None", "changes me.x from 0.5 to 0.0: it may only read"),
+    ("return 1e308 * 10.0, 0.0", "gives (inf, 0.0), neither two"),
+    ("return 0.1, 0.0, 0.0", "gives (0.1, 0.0, 0.0), neither two"),
+    ("return True, 0.0", "gives (True, 0.0), neither two finite"),
+])  # fmt: skip
 def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, untraced):
     (tmp_path / "bad.py").write_text(f"{brains.load('minimalistic').source}\n\ndef steer(me):\n    {steer}\n")
     found = conformance.examine(brains.load(tmp_path / "bad.py"), contract_checks.PROMISES)

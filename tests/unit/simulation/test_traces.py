@@ -54,8 +54,7 @@ def test_steps_left_over_end_without_an_exchange(compiled):
 @BOTH
 @pytest.mark.parametrize("every", [1, 2])
 def test_messages_are_heard_at_their_step(compiled, every):
-    rows = [[3, 0, 2], [0, 0, 1], [1, 1, 0], [1, 2, 0]]
-    trace = sc.infer(READINGS, rows, 0.8, every, compiled=compiled)
+    trace = sc.infer(READINGS, [[3, 0, 2], [0, 0, 1], [1, 1, 0], [1, 2, 0]], 0.8, every, compiled=compiled)
     expected = by_hand(READINGS, every, {0: [(0, 1)], 1: [(1, 0), (2, 0)], 3: [(0, 2)]})
     assert (trace["estimate"].values == expected).all()
 
@@ -98,27 +97,24 @@ def test_forms_of_accuracy():
     assert several[0] == final({"black": 0.9, "white": 0.7})[0] == pytest.approx((0.5 + 0.7 - 1) / (0.9 + 0.7 - 1))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"observations": [[0, 2]]}, r"observations\[0, 1\] = 2: should be 0"),
-        ({"observations": [0, 1]}, r"should be \(step, robot\)"),
-        ({"observations": "hello"}, "hello is a file: give what pandas.read_csv reads, or an array"),
-        ({"observations": np.zeros((0, 2))}, "one of each at least"),
-        ({"links": [[0, 3]]}, r"links\[0\] = \[0, 3\] names a robot that is not there: the robots are numbered 0 to 2"),
-        ({"links": [[0, 0]]}, "joins a robot to itself"),
-        ({"links": [[0, 1, 2, 0]]}, r"should be \(edge, 2\)"),
-        ({"links": [[0.5, 1]]}, "whole numbers"),
-        ({"links": [[4, 0, 1]]}, "steps are numbered 0 to 3"),
-        ({"accuracy": 1.5}, r"accuracy 1.5: should lie in \[0, 1\]"),
-        ({"accuracy": [0.5, 0.6]}, "one for each of 3 robots"),
-        ({"accuracy": {"black": 0.5}}, "should be black and white"),
-        ({"accuracy": None}, "must be said"),
-        ({"accuracy": float("nan")}, r"\[0, 1\]"),
-        ({"observations_per_round": 0}, "whole number from 1"),
-        ({"brain": "nobody"}, "neither a shipped brain"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"), [
+    ({"observations": [[0, 2]]}, r"observations\[0, 1\] = 2: should be 0"),
+    ({"observations": [0, 1]}, r"should be \(step, robot\)"),
+    ({"observations": "hello"}, "hello is a file: give what pandas.read_csv reads, or an array"),
+    ({"observations": np.zeros((0, 2))}, "one of each at least"),
+    ({"links": [[0, 3]]}, r"links\[0\] = \[0, 3\] names a robot that is not there: the robots are numbered 0 to 2"),
+    ({"links": [[0, 0]]}, "joins a robot to itself"),
+    ({"links": [[0, 1, 2, 0]]}, r"should be \(edge, 2\)"),
+    ({"links": [[0.5, 1]]}, "whole numbers"),
+    ({"links": [[4, 0, 1]]}, "steps are numbered 0 to 3"),
+    ({"accuracy": 1.5}, r"accuracy 1.5: should lie in \[0, 1\]"),
+    ({"accuracy": [0.5, 0.6]}, "one for each of 3 robots"),
+    ({"accuracy": {"black": 0.5}}, "should be black and white"),
+    ({"accuracy": None}, "must be said"),
+    ({"accuracy": float("nan")}, r"\[0, 1\]"),
+    ({"observations_per_round": 0}, "whole number from 1"),
+    ({"brain": "nobody"}, "neither a shipped brain"),
+])  # fmt: skip
 def test_what_is_refused(arguments, said):
     with pytest.raises(sc.InputError, match=said):
         sc.infer(**({"observations": READINGS, "links": [[0, 1]], "accuracy": 0.8} | arguments))
@@ -156,8 +152,6 @@ def test_traces_are_written_as_csv_or_netcdf(small_results, tmp_path):
 
 
 # ---- one trial a stretch at a time; test_recorded.py compares it with what `replay` shows
-
-
 NETWORK = {"topology": "ring", "fill_ratio": 0.6}
 MOVING = {"topology": "moving", "density": 3.0, "fill_ratio": 0.6}
 CASES = {
@@ -188,8 +182,7 @@ def test_it_can_be_looked_at_in_any_order(name, short):
     life = Stepped(study.settings()[0], study.seed, 1)
     once = [life.at(k) for k in range(5)]
     for k in (3, 0, 4, 1, 1, 2, 0):
-        again = life.at(k)
-        for name, value in vars(again).items():
+        for name, value in vars(life.at(k)).items():
             if isinstance(value, np.ndarray):
                 np.testing.assert_array_equal(value, getattr(once[k], name))
 

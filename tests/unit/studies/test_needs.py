@@ -21,30 +21,27 @@ def unmet(brain, bins=2, **given):
     return unmet_needs(study_of(brain, **{"accuracy": 1.0, "rounds": 300} | given).settings(), bins)
 
 
-@pytest.mark.parametrize(
-    ("brain", "given", "said"),
-    [
-        ("w-msr", {"topology": "full", "robots": 6}, [W_MSR]),
-        ("w-msr", {"rounds": 1351, "robots": 6, "topology": "full"}, []),
-        ("w-msr", {"rounds": 2000}, ["w-msr needs 5 neighbours; most robots of ring have 2 or fewer (drop = 2)"]),
-        ({"file": "gated-mean", "run": 300, "debiased": [0, 1]}, {"accuracy": 0.7},
-         ["gated-mean takes readings for the truth, so an accuracy of 0.7 biases its estimates (debiased = 0)"]),
-        ("three-state", {"rounds": 2500}, ["three-state needs 50 robots; this study has 5"]),
-        ("bayes-bots", {}, ["bayes-bots needs 4,000 rounds; this study has 300 (every = 200, prior = 10)"]),
-        ("recurrent", {}, ["recurrent is made for an answer after round 100; this study has 300 (run = 0)"]),
-        ("voter", {"bins": 10}, ["voter answers whether f is above one half; this study asks for one of 10 bins"]),
-        ("voter", {}, []),
-        ({"file": "w-msr", "run": 300, "drop": [1, 2]}, {},
-         ["w-msr needs 3 neighbours; most robots of ring have 2 or fewer (drop = 1)"]),
-        ("belief-sharing", {"fill_ratio": [0.35, 0.3]},
-         ["belief-sharing chooses among the middles of 10 steps, and f = 0.35 is one: it errs less than at other f"]),
-        ("commons", {"accuracy": 0.6, "bins": 10}, []),
-        ("swift", {"topology": ONE_WAY},
-         ["swift needs robots that hear each other; some links of round go one way only"]),
-        ("commons", {"topology": ONE_WAY}, []),
-        ("swift", {"topology": ["ring", "full", "scale-free"]}, []),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("brain", "given", "said"), [
+    ("w-msr", {"topology": "full", "robots": 6}, [W_MSR]),
+    ("w-msr", {"rounds": 1351, "robots": 6, "topology": "full"}, []),
+    ("w-msr", {"rounds": 2000}, ["w-msr needs 5 neighbours; most robots of ring have 2 or fewer (drop = 2)"]),
+    ({"file": "gated-mean", "run": 300, "debiased": [0, 1]}, {"accuracy": 0.7},
+     ["gated-mean takes readings for the truth, so an accuracy of 0.7 biases its estimates (debiased = 0)"]),
+    ("three-state", {"rounds": 2500}, ["three-state needs 50 robots; this study has 5"]),
+    ("bayes-bots", {}, ["bayes-bots needs 4,000 rounds; this study has 300 (every = 200, prior = 10)"]),
+    ("recurrent", {}, ["recurrent is made for an answer after round 100; this study has 300 (run = 0)"]),
+    ("voter", {"bins": 10}, ["voter answers whether f is above one half; this study asks for one of 10 bins"]),
+    ("voter", {}, []),
+    ({"file": "w-msr", "run": 300, "drop": [1, 2]}, {},
+     ["w-msr needs 3 neighbours; most robots of ring have 2 or fewer (drop = 1)"]),
+    ("belief-sharing", {"fill_ratio": [0.35, 0.3]},
+     ["belief-sharing chooses among the middles of 10 steps, and f = 0.35 is one: it errs less than at other f"]),
+    ("commons", {"accuracy": 0.6, "bins": 10}, []),
+    ("swift", {"topology": ONE_WAY},
+     ["swift needs robots that hear each other; some links of round go one way only"]),
+    ("commons", {"topology": ONE_WAY}, []),
+    ("swift", {"topology": ["ring", "full", "scale-free"]}, []),
+])  # fmt: skip
 def test_each_need_is_compared_with_the_study(brain, given, said):
     assert unmet(brain, **given) == said
 
@@ -77,8 +74,7 @@ def test_published_run_is_the_default(name):
     if name != "recurrent":
         brain[0] = {"file": name, "phase": 450 * 40 / rounds}
         brain[1] = {"file": name, "run": 40}
-    data = sc.run(study_of(brain, rounds=40, trials=1), 1, cautions=False)
-    first, second = data["final_estimate"].values
+    first, second = sc.run(study_of(brain, rounds=40, trials=1), 1, cautions=False)["final_estimate"].values
     assert np.array_equal(first, second)
 
 

@@ -40,16 +40,13 @@ def test_lists_of_a_floor_span_the_settings_of_a_list_of_tables():
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("key", "table", "listed"),
-    [
-        ("accuracy", {"black": [0.8, 0.9], "white": 0.7}, [{"black": b, "white": 0.7} for b in (0.8, 0.9)]),
-        ("accuracy", {"start": 0.8, "drift": [-1e-3, 1e-3]}, [{"start": 0.8, "drift": d} for d in (-1e-3, 1e-3)]),
-        ("accuracy", {"spread": "N", "mean": 0.7, "sd": [0.1, 0.2]}, ["N(0.7, 0.1)", "N(0.7, 0.2)"]),
-        ("accuracy", {"spread": "uniform", "lo": [0.5, 0.6], "hi": 0.9}, ["U(0.5, 0.9)", "U(0.6, 0.9)"]),
-        ("assumed_accuracy", {"error": [0.0, "N(0, 0.1)"]}, [{"error": 0.0}, {"error": "N(0, 0.1)"}]),
-    ],
-)
+@pytest.mark.parametrize(("key", "table", "listed"), [
+    ("accuracy", {"black": [0.8, 0.9], "white": 0.7}, [{"black": b, "white": 0.7} for b in (0.8, 0.9)]),
+    ("accuracy", {"start": 0.8, "drift": [-1e-3, 1e-3]}, [{"start": 0.8, "drift": d} for d in (-1e-3, 1e-3)]),
+    ("accuracy", {"spread": "N", "mean": 0.7, "sd": [0.1, 0.2]}, ["N(0.7, 0.1)", "N(0.7, 0.2)"]),
+    ("accuracy", {"spread": "uniform", "lo": [0.5, 0.6], "hi": 0.9}, ["U(0.5, 0.9)", "U(0.6, 0.9)"]),
+    ("assumed_accuracy", {"error": [0.0, "N(0, 0.1)"]}, [{"error": 0.0}, {"error": "N(0, 0.1)"}]),
+])  # fmt: skip
 def test_lists_of_a_distribution_span_the_settings_of_a_list_of_values(key, table, listed):
     assert same(settings_of(**{key: table}), settings_of(**{key: listed}))
 
@@ -85,30 +82,27 @@ def test_drifts_are_numbers_too():
     assert data["accuracy_black"].values.tolist() == [0.8, 0.9, 0.7]
 
 
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"topology": {**SMALL_WORLD, "neighbours": []}}, "neighbours = []: should be a list of at least one"),
-        (
-            {"topology": {"name": "small-world", "neighbours": [4] * 101, "rewired": [0.1] * 100}},
-            "its lists have 10,100 combinations; 10,000 is the most",
-        ),
-        ({"topology": {**SMALL_WORLD, "neighbours": [4, 5]}}, "neighbours = 5: "),
-        ({"topology": {"name": "small-world", "neighbors": [4, 6]}}, "has no key neighbors: did you mean 'neighbours'"),
-        ({"topology": SMALL_WORLD, "brain": "mine.py"}, "neighbours cannot have a list here"),
-        ({"topology": [SMALL_WORLD, {"name": "small-world", "neighbours": 6}]}, "have one name: small-world"),
-        ({"accuracy": {"black": [], "white": 0.7}}, "black = []: should be a list of at least one"),
-        ({"accuracy": {"spread": "N", "mean": 0.7}}, "N(mean, sd): missing a required argument: 'sd'"),
-        ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "N(mean, sd): "),
-        ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "a sensor accuracy is a number in [0, 1]"),
-        ({"accuracy": {"spread": "Q", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
-        ({"members": [{**BROKEN, "label": "a"}, {**BROKEN, "label": "a"}]}, 'members[1].label = "a": two tables'),
-        ({"members": [{**BROKEN, "label": "a\nb"}]}, "members[0].label = "),
-        ({"floor": ["half", {"name": "tiles", "label": "half"}]}, '"half": this label is the name of another topology'),
-        ({"floor": [{"clusters": 0.2, "label": ""}]}, "label should be a text, and not empty"),
-        ({"floor": [{"name": "moon", "label": "x"}]}, "a floor is one of"),
-    ],
-)
+@pytest.mark.parametrize(("keys", "said"), [
+    ({"topology": {**SMALL_WORLD, "neighbours": []}}, "neighbours = []: should be a list of at least one"),
+    (
+        {"topology": {"name": "small-world", "neighbours": [4] * 101, "rewired": [0.1] * 100}},
+        "its lists have 10,100 combinations; 10,000 is the most",
+    ),
+    ({"topology": {**SMALL_WORLD, "neighbours": [4, 5]}}, "neighbours = 5: "),
+    ({"topology": {"name": "small-world", "neighbors": [4, 6]}}, "has no key neighbors: did you mean 'neighbours'"),
+    ({"topology": SMALL_WORLD, "brain": "mine.py"}, "neighbours cannot have a list here"),
+    ({"topology": [SMALL_WORLD, {"name": "small-world", "neighbours": 6}]}, "have one name: small-world"),
+    ({"accuracy": {"black": [], "white": 0.7}}, "black = []: should be a list of at least one"),
+    ({"accuracy": {"spread": "N", "mean": 0.7}}, "N(mean, sd): missing a required argument: 'sd'"),
+    ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "N(mean, sd): "),
+    ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "a sensor accuracy is a number in [0, 1]"),
+    ({"accuracy": {"spread": "Q", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
+    ({"members": [{**BROKEN, "label": "a"}, {**BROKEN, "label": "a"}]}, 'members[1].label = "a": two tables'),
+    ({"members": [{**BROKEN, "label": "a\nb"}]}, "members[0].label = "),
+    ({"floor": ["half", {"name": "tiles", "label": "half"}]}, '"half": this label is the name of another topology'),
+    ({"floor": [{"clusters": 0.2, "label": ""}]}, "label should be a text, and not empty"),
+    ({"floor": [{"name": "moon", "label": "x"}]}, "a floor is one of"),
+])  # fmt: skip
 def test_wrong_lists_and_labels_are_refused(keys, said, here):
     Path("mine.py").write_text(changed(("MEMORY =", 'PARAMETERS = {"neighbours": 1.0}\nMEMORY =')))
     world = {"topology": "moving", "density": 1.0} if "floor" in keys else {}
@@ -118,8 +112,6 @@ def test_wrong_lists_and_labels_are_refused(keys, said, here):
 
 
 # ---- labels of members and floors, and the word for swarms without members
-
-
 def texts(members, **keys):
     return ["; ".join(map(str, setting.members)) for setting in settings_of(robots=8, members=members, **keys)]
 

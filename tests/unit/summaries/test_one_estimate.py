@@ -66,8 +66,7 @@ def test_lines_have_the_summary(name, results, summary):
     ]
     ends = {segment[0, 0]: segment[:, 1].tolist() for lines in segments for segment in lines if len(segment)}
     top = ax.get_ylim()[1]
-    wanted = {x: [low[k], min(high[k], top)] for k, x in enumerate((0.7, 1.0)) if np.isfinite(low[k])}
-    assert ends == wanted
+    assert ends == {x: [low[k], min(high[k], top)] for k, x in enumerate((0.7, 1.0)) if np.isfinite(low[k])}
 
 
 def test_other_figures_have_the_summary(results, summary):

@@ -73,8 +73,7 @@ def test_error_90_is_the_smallest_error_that_nine_of_ten_robots_keep():
 
 
 def test_a_row_is_what_numpy_says_of_the_setting(many):
-    frame = sc.summary(many)
-    for k, row in enumerate(frame.to_dict("records")):
+    for k, row in enumerate(sc.summary(many).to_dict("records")):
         robots, rounds = int(many["robots"][k]), int(many["rounds"][k])
         for name in ("convergence_round", "convergence_error"):
             values = many[name].values[k, :, :robots].astype(float)
@@ -147,14 +146,11 @@ def test_large_results_are_summed_up_in_blocks(partial, monkeypatch):
     pd.testing.assert_frame_equal(sc.summary(partial), whole)
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--checkpoint", "7"], "checkpoint 7: decisions were recorded after round 2, 5, 8"),
-        (["--sort", "eror"], "--sort eror"),
-        (["--reverse"], "--reverse needs --sort"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    (["--checkpoint", "7"], "checkpoint 7: decisions were recorded after round 2, 5, 8"),
+    (["--sort", "eror"], "--sort eror"),
+    (["--reverse"], "--reverse needs --sort"),
+])  # fmt: skip
 def test_what_cannot_be_shown(options, said, file, refused):
     assert said in refused("show", file, *options)
 
@@ -236,8 +232,6 @@ def test_a_time_that_is_not_reached_is_never(many):
 
 
 # ---- readers are told where a robot converged before it had seen anything
-
-
 STUDY = """
 trials = 4
 swarm = {robots = 400, accuracy = 0.9}
@@ -252,8 +246,7 @@ def test_shares_are_of_the_robots_that_were_run(small_results):
     when[:] = np.where(when >= 0, 5, when)
     assert (settled_at_start(data) == 0).all()
     assert cautions_of_start(data) == []
-    robots = int(data["robots"][3])
-    when[3, 0, :robots] = 0  # one trial of four
+    when[3, 0, : int(data["robots"][3])] = 0  # one trial of four
     when[3, 3] = -1
     when[4] = -1
     shares = settled_at_start(data)

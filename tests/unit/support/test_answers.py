@@ -62,8 +62,7 @@ def test_columns_are_left_out_from_the_right_and_named(answer):
     assert lines[lines.index("") + 1].split() == ["brain", "error"]
     assert "right %" in " ".join(lines)
     assert "robots in the right bin" not in " ".join(lines)
-    chosen = printed(answer, limit=1, columns=["final_error", "brain"])
-    assert chosen[4].split() == ["error", "brain"]
+    assert printed(answer, limit=1, columns=["final_error", "brain"])[4].split() == ["error", "brain"]
     with pytest.raises(InputError, match=r"final_eror.*did you mean 'final_error'"):
         printed(answer, columns=["final_eror"])
 

@@ -83,8 +83,6 @@ def test_memory_of_a_bootstrap_of_medians():
 
 
 # ---- the same formulas, forwards and by brute force
-
-
 SHARES = {
     "alone": np.random.default_rng(5).binomial(40, 0.7, 25) / 40,
     "together": np.random.default_rng(6).binomial(4, 0.5, 12) / 4,
@@ -163,8 +161,6 @@ def test_an_interval_is_the_middle_of_its_resamples():
 
 
 # ---- the bootstrap
-
-
 def test_median_of_a_resample():
     rng = np.random.default_rng(1)
     for trials, robots in ((1, 1), (2, 3), (7, 4), (30, 11)):

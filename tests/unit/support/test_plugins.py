@@ -208,7 +208,6 @@ def elsewhere(package, *commands):
 
 
 # ---- topologies, kinds of floor and spreads
-
 FIXED = """
 seed = 5
 trials = 2
@@ -404,7 +403,6 @@ def test_a_file_changed_during_a_run_is_reported(installed, package):
 
 
 # ---- brains, metrics and figures
-
 MEASURED = """
 trials = 3
 swarm = {brain = ["legacy", "stubborn"], robots = 8, accuracy = 0.7}
@@ -436,27 +434,22 @@ def test_figure_of_a_package_is_drawn_from_python_and_a_shell(installed, done):
     assert "topology 3 None" in Path("b.svg").read_text()
 
 
-@pytest.mark.parametrize(
-    ("kind", "said"),
-    [
-        ("violin", "did you mean 'violins'?"),
-        ("boxes --x robots", "--kind boxes has no key x: "),
-        ("boxes --option whisker=1", "--kind boxes has no key whisker: "),
-        ("boxes --option whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
-        ("boxes --option whiskers", "--option whiskers"),
-        ("fails", "figure 'fails', meadow.drawings:fails: KeyError: 'no such"),
-        ("nothing", "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
-        ("awry", "figure 'awry', meadow.drawings:awry: should be a function of results and keyword-only options"),
-        ("gone", "figure 'gone', meadow.gone of meadow: ModuleNotFoundError"),
-    ],
-)
+@pytest.mark.parametrize(("kind", "said"), [
+    ("violin", "did you mean 'violins'?"),
+    ("boxes --x robots", "--kind boxes has no key x: "),
+    ("boxes --option whisker=1", "--kind boxes has no key whisker: "),
+    ("boxes --option whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
+    ("boxes --option whiskers", "--option whiskers"),
+    ("fails", "figure 'fails', meadow.drawings:fails: KeyError: 'no such"),
+    ("nothing", "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
+    ("awry", "figure 'awry', meadow.drawings:awry: should be a function of results and keyword-only options"),
+    ("gone", "figure 'gone', meadow.gone of meadow: ModuleNotFoundError"),
+])  # fmt: skip
 def test_faults_of_a_plugin_figure(kind, said, installed, done, refused):
     assert said in refused("plot", done / "measured.nc", "--kind", *kind.split())
 
 
 # ---- adversaries
-
-
 @pytest.mark.long
 def test_plugin_adversary(installed, monkeypatch):
     members = [{"robots": 2, "brain": "grey", "honest": False}]
@@ -467,8 +460,6 @@ def test_plugin_adversary(installed, monkeypatch):
 
 
 # ---- targets
-
-
 def test_a_target_of_another_package_writes_its_files(installed, tmp_path):
     made = sc.deploy("minimalistic", tmp_path / "made", target="pebble", accuracy={"black": 0.9, "white": 0.8})
     assert {path.name for path in made.fields["folder"].iterdir()} == {"brain.py", "sensor.txt"}
@@ -476,8 +467,6 @@ def test_a_target_of_another_package_writes_its_files(installed, tmp_path):
 
 
 # ---- every kind of plugin
-
-
 def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
     monkeypatch.setenv(AS_TERMINAL, "400")
     for name in [name for name in sys.modules if name.startswith("meadow.")]:

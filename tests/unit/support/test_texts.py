@@ -27,14 +27,11 @@ def test_studies_are_read_in_any_encoding_with_a_mark(encoding, here):
     assert sc.Study.load("s.toml").text == STUDY
 
 
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (STUDY.encode("utf-16-le"), "it is no text, or in another encoding: save it as text in UTF-8"),
-        (STUDY.encode("utf-16")[:-1], "line 8 is not UTF-16: save it as text in UTF-8"),
-        (b"# a\n# caf\xe9\n", "line 2 is not UTF-8: save it as text in UTF-8"),
-    ],
-)
+@pytest.mark.parametrize(("content", "said"), [
+    (STUDY.encode("utf-16-le"), "it is no text, or in another encoding: save it as text in UTF-8"),
+    (STUDY.encode("utf-16")[:-1], "line 8 is not UTF-16: save it as text in UTF-8"),
+    (b"# a\n# caf\xe9\n", "line 2 is not UTF-8: save it as text in UTF-8"),
+])  # fmt: skip
 def test_other_encodings_are_named(content, said, here, refused):
     for name in ("s.toml", "s.csv"):
         (here / name).write_bytes(content)
@@ -74,8 +71,6 @@ def test_texts_like_formulas_have_an_apostrophe_and_numbers_have_none(tmp_path):
 
 
 # ---- numbers as people read them
-
-
 @pytest.mark.parametrize(
     ("count", "said"),
     [(0, "0 settings"), (1, "1 setting"), (np.int64(1), "1 setting"), (np.int64(1000), "1,000 settings")],
@@ -108,8 +103,6 @@ def test_numbers_have_as_many_digits_as_tell_them_apart():
 
 
 # ---- hTML templates escape all values and refuse unknown names; jinja2 is imported only where HTML is made
-
-
 NASTY = "<script>alert('&')</script>"
 ESCAPED = "&lt;script&gt;alert(&#39;&amp;&#39;)&lt;/script&gt;"
 
@@ -133,19 +126,14 @@ def test_live_page_has_all_assets():
 
 
 # ---- how many cores are used: those that affinity and the quotas of containers leave
-
-
-@pytest.mark.parametrize(
-    ("own", "files", "most"),
-    [
-        ("0::/a/b", {"a/cpu.max": "250000 100000", "a/b/cpu.max": "max 100000"}, 3),
-        ("0::/a/b", {"cpu.max": "50000 100000", "a/b/cpu.max": "400000 100000"}, 1),
-        ("0::/elsewhere", {"cpu.max": "200000 100000\n"}, 2),
-        ("0::/", {"cpu.max": "damaged"}, 8),
-        ("4:memory:/a\n0::/", {"cpu.max": "150000 100000\n"}, 2),
-        (None, {}, 8),
-    ],
-)
+@pytest.mark.parametrize(("own", "files", "most"), [
+    ("0::/a/b", {"a/cpu.max": "250000 100000", "a/b/cpu.max": "max 100000"}, 3),
+    ("0::/a/b", {"cpu.max": "50000 100000", "a/b/cpu.max": "400000 100000"}, 1),
+    ("0::/elsewhere", {"cpu.max": "200000 100000\n"}, 2),
+    ("0::/", {"cpu.max": "damaged"}, 8),
+    ("4:memory:/a\n0::/", {"cpu.max": "150000 100000\n"}, 2),
+    (None, {}, 8),
+])  # fmt: skip
 def test_a_quota_counts_as_cores(own, files, most, tmp_path, monkeypatch):
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -60,8 +60,6 @@ def within_reach(setting):
 
 
 # ---- how much is black
-
-
 @pytest.mark.parametrize("fill_ratio", FILLS)
 def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
     """To one tile where a quantile decides, else within chance and what is cut off of the last stripe."""
@@ -95,8 +93,6 @@ def test_a_quantile_has_its_share_below(scores, share):
 
 
 # ---- independent tiles
-
-
 def test_colours_of_independent_tiles():
     """By the formula: the address says nothing of the kind of floor, and a tile's word is held against f."""
     for floor in (None, "tiles"):
@@ -113,8 +109,6 @@ def test_colours_of_independent_tiles():
 
 
 # ---- clusters
-
-
 @pytest.mark.parametrize("length", [0.02, 0.03, 0.05, 0.2, 0.21, 0.333, 1.5])
 def test_the_kernel_has_the_correlation_that_is_asked_for(length):
     """exp(-(d / length)^2), from every place between two nodes and at every distance, but for the kernel's cut-off."""
@@ -149,8 +143,6 @@ def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
 
 
 # ---- stripes and halves
-
-
 @pytest.mark.parametrize(("period", "share"), [(0.3, 0.55), (0.125, 0.3), (0.5, 0.95)])
 def test_stripes_have_period_width_axis_and_phase(period, share):
     setting = setting_of({"stripes": period}, share)
@@ -191,11 +183,8 @@ def test_half_a_floor_is_black_on_a_side_of_each_trial():
 
 
 # ---- pictures
-
-
 def test_a_picture_is_black_where_it_is_darkest(gradient):
-    setting = setting_of({"image": str(gradient)}, 0.55)
-    black = sampling.ground(setting, 1, 0).all_tiles()
+    black = sampling.ground(setting_of({"image": str(gradient)}, 0.55), 1, 0).all_tiles()
     n = len(black)
     assert black[-n // 11 :].all()  # the top of the picture is where y is largest
     below = black[: -n // 9]
@@ -279,7 +268,6 @@ def test_photographs_are_read_as_viewers_turn_them(tmp_path):
 
 
 # ---- studies and datasets
-
 STUDY = """
 name = "floors"
 seed = 11
@@ -317,10 +305,8 @@ def test_an_image_is_needed_once(tmp_path, gradient):
     elsewhere = sc.Study.parse(STUDY, context={"base": gradient.parent}).settings()
     for a, b in zip(study.settings(), elsewhere, strict=True):
         assert (addresses.floor_key(a, 1) == addresses.floor_key(b, 1)).all()
-    keys = {tuple(addresses.floor_key(s, 1)) for s in elsewhere}
-    assert len(keys) == 6
-    changed = tmp_path / "gradient.png"
-    write(changed, np.array([[0, 255]], np.uint8))
+    assert len({tuple(addresses.floor_key(s, 1)) for s in elsewhere}) == 6
+    write(tmp_path / "gradient.png", np.array([[0, 255]], np.uint8))
     other = sc.Study.parse(STUDY, context={"base": tmp_path}).settings()
     assert not (addresses.floor_key(other[4], 1) == addresses.floor_key(elsewhere[4], 1)).any()
 
@@ -359,29 +345,26 @@ floor = FLOOR
 """
 
 
-@pytest.mark.parametrize(
-    ("floor", "said"),
-    [
-        ('{benchmark = "stars"}', "did you mean 'star'?"),
-        ('{benchmark = "star", cells = 1}', "cells = 1: should be greater than or equal to 2"),
-        ('"checks"', 'world.floor = "checks": a floor is one of {benchmark = "star", cells = 20}, {cl'),
-        ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
-        ("{clusters = 0}", "world.floor = {clusters = 0}"),
-        ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
-        ("{half = 2}", 'floor half: it has no keys: write "half"'),
-        ("{stripes = nan}", "floor stripes: length = nan: should be a finite number"),
-        ('["tiles", "tiles"]', "a value is twice in a list"),
-        ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'?"),
-        ("{image = 3}", "an image is the path of a PNG or JPEG file"),
-        ('{image = "none.png"}', "none.png: there is no such file"),
-        ('{image = "text.png"}', "text.png: not a PNG or JPEG file"),
-        ('{image = "cut.png"}', "cut.png: cannot be read: "),
-        ('{image = "deep.png"}', "deep.png: should be one picture, of 8 bits, or of 16 in grey alone"),
-        ('{image = "film.png"}', "film.png: should be one picture"),
-        ('{image = "huge.png"}', f"huge.png: 4,097 x 4,097 pixels: should be {MOST_PIXELS:,} at the most"),
-        ('[{image = "a.png"}, {image = "more/a.png"}]', "two images of world.floor have one name: a"),
-    ],
-)
+@pytest.mark.parametrize(("floor", "said"), [
+    ('{benchmark = "stars"}', "did you mean 'star'?"),
+    ('{benchmark = "star", cells = 1}', "cells = 1: should be greater than or equal to 2"),
+    ('"checks"', 'world.floor = "checks": a floor is one of {benchmark = "star", cells = 20}, {cl'),
+    ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
+    ("{clusters = 0}", "world.floor = {clusters = 0}"),
+    ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
+    ("{half = 2}", 'floor half: it has no keys: write "half"'),
+    ("{stripes = nan}", "floor stripes: length = nan: should be a finite number"),
+    ('["tiles", "tiles"]', "a value is twice in a list"),
+    ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'?"),
+    ("{image = 3}", "an image is the path of a PNG or JPEG file"),
+    ('{image = "none.png"}', "none.png: there is no such file"),
+    ('{image = "text.png"}', "text.png: not a PNG or JPEG file"),
+    ('{image = "cut.png"}', "cut.png: cannot be read: "),
+    ('{image = "deep.png"}', "deep.png: should be one picture, of 8 bits, or of 16 in grey alone"),
+    ('{image = "film.png"}', "film.png: should be one picture"),
+    ('{image = "huge.png"}', f"huge.png: 4,097 x 4,097 pixels: should be {MOST_PIXELS:,} at the most"),
+    ('[{image = "a.png"}, {image = "more/a.png"}]', "two images of world.floor have one name: a"),
+])  # fmt: skip
 def test_what_is_wrong_is_named(floor, said, tmp_path):
     noisy = np.random.default_rng(1).integers(0, 256, (64, 64)).astype(np.uint8)
     (tmp_path / "more").mkdir()
@@ -399,8 +382,6 @@ def test_what_is_wrong_is_named(floor, said, tmp_path):
 
 
 # ---- benchmark patterns
-
-
 def cells_of(pattern, fill_ratio, trial=0):
     """The 20 x 20 cells of a benchmark floor, by the colour of the middle tile of each."""
     setting = setting_of({"benchmark": pattern}, fill_ratio)

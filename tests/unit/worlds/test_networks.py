@@ -39,15 +39,13 @@ def links_of(topology, robots, trials=1, first=0):
 @pytest.mark.parametrize(("name", "make"), [("ring", nx.cycle_graph), ("line", nx.path_graph)])
 def test_ring_and_line(name, make, robots, tmp_path):
     expected = nx.path_graph(robots) if robots < 3 else make(robots)
-    found = graph_of(links_of(parse(name, tmp_path), robots), 0, robots)
-    assert nx.utils.graphs_equal(found, expected)
+    assert nx.utils.graphs_equal(graph_of(links_of(parse(name, tmp_path), robots), 0, robots), expected)
 
 
 def test_full_uses_sums_where_it_may(tmp_path):
     full = parse("full", tmp_path)
     assert full.links(5, 1, 0, 1, True, True).mode == FULL
-    assert full.links(5, 1, 0, 1, False, True).mode == PAIRS
-    assert full.links(5, 1, 0, 1, True, False).mode == PAIRS
+    assert full.links(5, 1, 0, 1, False, True).mode == full.links(5, 1, 0, 1, True, False).mode == PAIRS
 
 
 @pytest.mark.parametrize("robots", [1, 2, 3, 50])
@@ -110,12 +108,11 @@ def test_the_same_edges_both_ways_are_another_topology(tmp_path):
     assert both.content == parse({"name": "x", "edges": [[1, 0]]}, tmp_path).content
 
 
-@pytest.mark.parametrize(
-    ("form", "degree"),
-    [({"networkx": "gnp_random_graph", "p": 0.1, "directed": True}, None),
-     ({"networkx": "random_k_out_graph", "k": 3, "alpha": 1.0}, 3),
-     ({"networkx": "scale_free_graph"}, None)],
-)  # fmt: skip
+@pytest.mark.parametrize(("form", "degree"), [
+    ({"networkx": "gnp_random_graph", "p": 0.1, "directed": True}, None),
+    ({"networkx": "random_k_out_graph", "k": 3, "alpha": 1.0}, 3),
+    ({"networkx": "scale_free_graph"}, None),
+])  # fmt: skip
 def test_generators_that_make_directed_graphs(form, degree, tmp_path):
     topology = parse(form, tmp_path)
     topology.check(40)
@@ -211,8 +208,6 @@ def test_a_file_next_to_the_study_comes_before_other_packages(tmp_path, monkeypa
 
 
 # ---- small worlds, grids, tori, random geometric graphs
-
-
 @pytest.mark.parametrize(("robots", "rows", "columns"), [(30, 5, 6), (12, 3, 4), (9, 3, 3), (100, 10, 10), (18, 3, 6)])
 @pytest.mark.parametrize("name", ["grid", "torus"])
 def test_grids_and_tori_are_as_square_as_they_can_be(name, robots, rows, columns, tmp_path):
@@ -230,17 +225,14 @@ def test_named_columns_make_a_longer_grid(tmp_path):
     assert nx.is_isomorphic(graph_of(links_of(topology, 22), 0, 22), nx.grid_2d_graph(2, 11))
 
 
-@pytest.mark.parametrize(
-    ("value", "robots", "said"),
-    [
-        ("grid", 22, "as 24 robots do: 2 x 11 is too long, unless columns are named"),
-        ("grid", 7, "as 8 robots do: 1 x 7 is too long"),
-        ("torus", 3, "as 9 robots do"),
-        ({"name": "torus", "columns": 5}, 12, "columns = 5 makes no 3 or more whole rows"),
-        ({"name": "torus", "columns": 5}, 10, "columns = 5 makes no 3 or more whole rows"),
-        ({"name": "random-geometric", "radius": 0.01}, 50, "none of 100 graphs .* a larger radius is right"),
-    ],
-)
+@pytest.mark.parametrize(("value", "robots", "said"), [
+    ("grid", 22, "as 24 robots do: 2 x 11 is too long, unless columns are named"),
+    ("grid", 7, "as 8 robots do: 1 x 7 is too long"),
+    ("torus", 3, "as 9 robots do"),
+    ({"name": "torus", "columns": 5}, 12, "columns = 5 makes no 3 or more whole rows"),
+    ({"name": "torus", "columns": 5}, 10, "columns = 5 makes no 3 or more whole rows"),
+    ({"name": "random-geometric", "radius": 0.01}, 50, "none of 100 graphs .* a larger radius is right"),
+])  # fmt: skip
 def test_networks_that_do_not_fit_are_refused(value, robots, said, tmp_path):
     with pytest.raises(sc.InputError, match=f"topology .* of {robots} robots.*{said}"):
         parse(value, tmp_path).check(robots)
@@ -282,7 +274,6 @@ def test_random_geometric_robots_hear_all_within_the_radius():
 
 
 # ---- labels
-
 SMALL_WORLD = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1}
 
 
@@ -296,17 +287,14 @@ def test_a_label_names_a_topology_and_changes_no_number(value, tmp_path):
     assert str(parse(labelled.form, tmp_path)) == "small world"
 
 
-@pytest.mark.parametrize(
-    ("topologies", "said"),
-    [
-        ([{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}], '"a": two topologies have this label'),
-        (["ring", {"name": "line", "label": "ring"}], '"ring": this label is the name of another topology or floor'),
-        (["ring", {"name": "ring", "label": "a"}], "world.topology have one name: ring, ring"),
-        ({"name": "ring", "label": ""}, "label should be a text, and not empty"),
-        ({"name": "moving", "label": "walkers"}, 'always called "moving"'),
-        ({"name": "ring", "label": "a\nb"}, "no control characters"),
-    ],
-)
+@pytest.mark.parametrize(("topologies", "said"), [
+    ([{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}], '"a": two topologies have this label'),
+    (["ring", {"name": "line", "label": "ring"}], '"ring": this label is the name of another topology or floor'),
+    (["ring", {"name": "ring", "label": "a"}], "world.topology have one name: ring, ring"),
+    ({"name": "ring", "label": ""}, "label should be a text, and not empty"),
+    ({"name": "moving", "label": "walkers"}, 'always called "moving"'),
+    ({"name": "ring", "label": "a\nb"}, "no control characters"),
+])  # fmt: skip
 def test_wrong_labels_are_refused(topologies, said):
     with pytest.raises(sc.InputError, match=said):
         study_of(robots=12, topology=topologies)
@@ -330,7 +318,6 @@ def test_a_label_is_the_name_in_results_and_figures(here, accepted):
 
 
 # ---- graphs of other programs
-
 PATH, BACK = nx.path_graph(4), nx.DiGraph([(3, 0), (0, 1)])
 BACK.add_node(2)
 
@@ -353,8 +340,7 @@ def test_graph_files_are_read(ending, graph, tmp_path):
     assert topology.edges == tuple(sorted(graph.edges))
     with pytest.raises(ValueError, match=rf"office.{ending} has 4 nodes: should be as many as robots, 6"):
         topology.check(6)
-    both = parse({"file": f"office.{ending}", "directed": False}, tmp_path)
-    assert not both.directed
+    assert not parse({"file": f"office.{ending}", "directed": False}, tmp_path).directed
 
 
 @pytest.mark.parametrize("ending", WRITE)
@@ -391,69 +377,60 @@ def gml(more):
     return f"graph [ node [ id 0 ] node [ id 1 ] edge [ source 0 target 1 {more} ] ]"
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "keys", "said"),
-    [
-        ("x.gml", "graph [\n node ]", {}, "x.gml: cannot be read as GML: .* found '\\]' at \\(2, 7\\)"),
-        ("x.gml", "graph [ ] graph [ ]", {}, "more than one graph"),
-        ("x.gml", "graph [ node [ id 0 ] edge [ source 0 target 1 ] ]", {}, "undefined target 1"),
-        ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
-        ("x.graphml", "<gexf><graph/></gexf>", {}, "not successfully read as graphml"),
-        ("x.graphml", XML("<graph><hyperedge/></graph>"), {}, "hyperedges"),
-        (
-            "x.graphml",
-            XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"),
-            {},
-            "nodes within nodes.*table",
-        ),
-        ("x.graphml", XML(f"<graph>{NODES}</graph><graph>{NODES}</graph>"), {}, "nodes within nodes, .*missing"),
-        ("x.graphml", XML("<graph><edge source='a' target='b'/></graph>"), {}, "nodes within nodes, .*missing"),
-        ("x.gexf", gexf('<node id="a"/><node id="b" pid="a"/>'), {}, "nodes within nodes"),
-        ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node 0 is a group of nodes"),
-        ("x.gexf", gexf('<node id="a" start="1"/>'), {}, "links have times, .* a table source"),
-        ("x.graphml", graphml(default=0.5), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
-        ("x.graphml", graphml('directed="maybe"'), {}, "directed should be true or false"),
-        ("x.graphml", graphml('directed="true"'), {}, "directed=true edge found in undirected graph"),
-        ("x.gml", gml("weight 3"), {}, r"weight = 3: links have no weights"),
-        ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 is not UTF-8"),
-        ("x.gml", gml(""), {}, "x.gml has 2 nodes: should be as many as robots, 10"),
-        ("x.gml", gml(""), {"directed": True}, "undirected graph: leave out directed"),
-        ("x.gml", gml(""), {"renumber": True}, "renumber is for tables"),
-        ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
-        ("x.csv", "0,1\n1\n", {}, "line 2: 1 value .* where there should be 2"),
-        ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: column 'i': 'a': should be a whole number from 0"),
-        ("x.csv", "i,j\n1,2\n2,10\n", {}, "seem to start at 1; renumber = true numbers them from 0"),
-        ("x.csv", "0 1 5\n", {}, 'third column: links have no weights.*weights = "ignore"'),
-    ],
-)
+@pytest.mark.parametrize(("name", "text", "keys", "said"), [
+    ("x.gml", "graph [\n node ]", {}, "x.gml: cannot be read as GML: .* found '\\]' at \\(2, 7\\)"),
+    ("x.gml", "graph [ ] graph [ ]", {}, "more than one graph"),
+    ("x.gml", "graph [ node [ id 0 ] edge [ source 0 target 1 ] ]", {}, "undefined target 1"),
+    ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
+    ("x.graphml", "<gexf><graph/></gexf>", {}, "not successfully read as graphml"),
+    ("x.graphml", XML("<graph><hyperedge/></graph>"), {}, "hyperedges"),
+    (
+        "x.graphml",
+        XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"),
+        {},
+        "nodes within nodes.*table",
+    ),
+    ("x.graphml", XML(f"<graph>{NODES}</graph><graph>{NODES}</graph>"), {}, "nodes within nodes, .*missing"),
+    ("x.graphml", XML("<graph><edge source='a' target='b'/></graph>"), {}, "nodes within nodes, .*missing"),
+    ("x.gexf", gexf('<node id="a"/><node id="b" pid="a"/>'), {}, "nodes within nodes"),
+    ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node 0 is a group of nodes"),
+    ("x.gexf", gexf('<node id="a" start="1"/>'), {}, "links have times, .* a table source"),
+    ("x.graphml", graphml(default=0.5), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
+    ("x.graphml", graphml('directed="maybe"'), {}, "directed should be true or false"),
+    ("x.graphml", graphml('directed="true"'), {}, "directed=true edge found in undirected graph"),
+    ("x.gml", gml("weight 3"), {}, r"weight = 3: links have no weights"),
+    ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 is not UTF-8"),
+    ("x.gml", gml(""), {}, "x.gml has 2 nodes: should be as many as robots, 10"),
+    ("x.gml", gml(""), {"directed": True}, "undirected graph: leave out directed"),
+    ("x.gml", gml(""), {"renumber": True}, "renumber is for tables"),
+    ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
+    ("x.csv", "0,1\n1\n", {}, "line 2: 1 value .* where there should be 2"),
+    ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: column 'i': 'a': should be a whole number from 0"),
+    ("x.csv", "i,j\n1,2\n2,10\n", {}, "seem to start at 1; renumber = true numbers them from 0"),
+    ("x.csv", "0 1 5\n", {}, 'third column: links have no weights.*weights = "ignore"'),
+])  # fmt: skip
 def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_path):
     (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError, match=said):
         parse({"file": name, **keys}, tmp_path).check(10)
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "edges"),
-    [
-        ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
-         ((0, 1),)),
-        ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),)),
-        ("x.graphml", graphml('directed="true"', way="directed"), ((0, 1),)),
-        ("x.gexf", gexf(edges=EDGE.format('id="9" type="mutual"')), ((0, 1), (1, 0))),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "text", "edges"), [
+    ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
+     ((0, 1),)),
+    ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),)),
+    ("x.graphml", graphml('directed="true"', way="directed"), ((0, 1),)),
+    ("x.gexf", gexf(edges=EDGE.format('id="9" type="mutual"')), ((0, 1), (1, 0))),
+])  # fmt: skip
 def test_links_go_the_ways_that_files_say(name, text, edges, tmp_path):
     (tmp_path / name).write_text(text)
     assert parse(name, tmp_path).edges == edges
 
 
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
-        ("x.graphml", "<!--yFiles-->" + graphml(way="directed")),
-        ("x.gml", 'Creator "yFiles"\n' + gml("").replace("[", "[ directed 1", 1)),
-    ],
-)
+@pytest.mark.parametrize(("name", "text"), [
+    ("x.graphml", "<!--yFiles-->" + graphml(way="directed")),
+    ("x.gml", 'Creator "yFiles"\n' + gml("").replace("[", "[ directed 1", 1)),
+])  # fmt: skip
 def test_of_files_of_yed_the_study_says_whether_links_are_directed(name, text, tmp_path):
     (tmp_path / name).write_text(text)
     with pytest.raises(sc.InputError, match=rf"{name}: .*yEd .*: say directed = true or false"):
@@ -479,16 +456,13 @@ def test_tables_with_weights_and_names_of_nodes(text, keys, tmp_path):
     assert parse({"file": "x.csv", **keys}, tmp_path).edges == ((0, 1), (1, 2))
 
 
-@pytest.mark.parametrize(
-    ("pairs", "links"),
-    [
-        ([], []),
-        (iter([(1, 0), (0, 1), (2, 1)]), [(0, 1), (1, 0), (1, 2), (2, 1)]),
-        ({(0, 2)}, [(0, 2), (2, 0)]),
-        (np.array([[2, 1]], np.uint8), [(1, 2), (2, 1)]),
-        (zip(range(2), range(1, 3), strict=True), [(0, 1), (1, 0), (1, 2), (2, 1)]),
-    ],
-)
+@pytest.mark.parametrize(("pairs", "links"), [
+    ([], []),
+    (iter([(1, 0), (0, 1), (2, 1)]), [(0, 1), (1, 0), (1, 2), (2, 1)]),
+    ({(0, 2)}, [(0, 2), (2, 0)]),
+    (np.array([[2, 1]], np.uint8), [(1, 2), (2, 1)]),
+    (zip(range(2), range(1, 3), strict=True), [(0, 1), (1, 0), (1, 2), (2, 1)]),
+])  # fmt: skip
 def test_pairs_may_be_given_in_many_ways(pairs, links):
     receivers, senders = wiring.heard(wiring.pairs_of(pairs, 3), False)
     assert list(zip(receivers.tolist(), senders.tolist(), strict=True)) == links
@@ -529,8 +503,6 @@ def test_degrees_of_scale_free_networks(tmp_path):
 
 
 # ---- r-robustness and (r, s)-robustness against known graphs and against their definitions, told by sets of Python
-
-
 def pairs_of_sets(graph):
     """Every two disjoint sets of nodes, neither empty."""
     for sides in itertools.product((0, 1, 2), repeat=len(graph)):
@@ -614,27 +586,24 @@ def test_every_form_of_a_graph():
     assert r_robustness(edges, 5) == 0  # and a robot that hears nobody
 
 
-@pytest.mark.parametrize(
-    ("ask", "said"),
-    [
-        (lambda: r_robustness("ring", 13), "13 robots: should be 1 to 12"),
-        (lambda: r_robustness(nx.Graph()), "0 robots: should be 1 to 12"),
-        (lambda: r_robustness("ring"), "say how many robots"),
-        (lambda: r_robustness("scale-free", 8), "'scale-free' differs from trial to trial"),
-        (lambda: r_robustness([(0, 4)], 3), "leads to a robot that is not there"),
-        (lambda: is_rs_robust("full", 2, 0, 5), "s from 1 to the number of robots, 5"),
-        (lambda: is_rs_robust("full", -1, 1, 5), "r is from 0 on"),
-        (lambda: r_robustness([(0, 1)], True), "robots = True: should be a whole number"),
-        (lambda: is_rs_robust("full", True, 1, 4), "r = True: should be a whole number"),
-        (lambda: is_rs_robust("full", 1, "1", 4), "s = '1': should be a whole number"),
-        (lambda: r_robustness([(0, 1)], directed="yes"), "directed = 'yes': should be True or False"),
-        (lambda: r_robustness(5), "graph = 5: should be a networkx graph"),
-        (lambda: r_robustness([1, 2]), "edges are pairs of robot numbers"),
-        (lambda: r_robustness(nx.path_graph(3), 7), "robots = 7: the graph has 3 nodes: should be 3, or left out"),
-        (lambda: r_robustness({"networkx": "star_graph", "n": 4}, 4), "gives 5 robots instead of 4"),
-        (lambda: r_robustness({"networkx": "gnp_random_graph", "p": 0.5}, 4), "differs from trial to trial"),
-    ],
-)
+@pytest.mark.parametrize(("ask", "said"), [
+    (lambda: r_robustness("ring", 13), "13 robots: should be 1 to 12"),
+    (lambda: r_robustness(nx.Graph()), "0 robots: should be 1 to 12"),
+    (lambda: r_robustness("ring"), "say how many robots"),
+    (lambda: r_robustness("scale-free", 8), "'scale-free' differs from trial to trial"),
+    (lambda: r_robustness([(0, 4)], 3), "leads to a robot that is not there"),
+    (lambda: is_rs_robust("full", 2, 0, 5), "s from 1 to the number of robots, 5"),
+    (lambda: is_rs_robust("full", -1, 1, 5), "r is from 0 on"),
+    (lambda: r_robustness([(0, 1)], True), "robots = True: should be a whole number"),
+    (lambda: is_rs_robust("full", True, 1, 4), "r = True: should be a whole number"),
+    (lambda: is_rs_robust("full", 1, "1", 4), "s = '1': should be a whole number"),
+    (lambda: r_robustness([(0, 1)], directed="yes"), "directed = 'yes': should be True or False"),
+    (lambda: r_robustness(5), "graph = 5: should be a networkx graph"),
+    (lambda: r_robustness([1, 2]), "edges are pairs of robot numbers"),
+    (lambda: r_robustness(nx.path_graph(3), 7), "robots = 7: the graph has 3 nodes: should be 3, or left out"),
+    (lambda: r_robustness({"networkx": "star_graph", "n": 4}, 4), "gives 5 robots instead of 4"),
+    (lambda: r_robustness({"networkx": "gnp_random_graph", "p": 0.5}, 4), "differs from trial to trial"),
+])  # fmt: skip
 def test_errors_say_what_is_right(ask, said):
     with pytest.raises(ValueError, match=said.replace("(", r"\(")) as caught:
         ask()

@@ -22,8 +22,6 @@ NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 
 
 # ---- who meets whom
-
-
 def test_contender_is_a_brain_with_its_varying_parameters():
     data = made_up()
     assert grid_of(data, data)[0].contenders == NAMES
@@ -59,22 +57,17 @@ def test_what_does_not_pair_is_named():
     assert len(alone.grid.worlds) == 1
 
 
-@pytest.mark.parametrize(
-    ("settings", "said"),
-    [
-        ([0, 4], "there is nothing to compare: all settings are of minimalistic"),
-        ([0, 5], "no two of minimalistic and bayes-bots have met the same world"),
-        ([0, 0, 1], "settings 0 and 0 are both of minimalistic in the same world"),
-    ],
-)
+@pytest.mark.parametrize(("settings", "said"), [
+    ([0, 4], "there is nothing to compare: all settings are of minimalistic"),
+    ([0, 5], "no two of minimalistic and bayes-bots have met the same world"),
+    ([0, 0, 1], "settings 0 and 0 are both of minimalistic in the same world"),
+])  # fmt: skip
 def test_where_nothing_can_be_compared_it_is_said(settings, said):
     with pytest.raises(sc.InputError, match=said):
         sc.compare(made_up().isel(setting=settings))
 
 
 # ---- the number of a trial
-
-
 def quantile(values, share):
     """Linear between the two values around the place."""
     ordered, place = sorted(values), share * (len(values) - 1)
@@ -169,29 +162,23 @@ def test_metrics_without_direction_are_not_compared():
         found = sc.compare(with_metric(made_up(gap=0.5)), f"lowest:{way}")
         assert (found.measures[0].low, len(found.measures)) == (low, 1)
         assert found.ranks["contender"][found.ranks["average_rank"].argmin()] == NAMES[0 if low else 3]
-    shipped = sc.compare(with_metric(made_up(), "mean_error"))
-    assert shipped.measures[-1].name == "mean_error"
+    assert sc.compare(with_metric(made_up(), "mean_error")).measures[-1].name == "mean_error"
 
 
-@pytest.mark.parametrize(
-    ("metric", "said"),
-    [
-        ("final_eror", "metric='final_eror': did you mean"),
-        ("lowest", "is low or high better"),
-        ("lowest:up", "comes low or high"),
-        ("correct:low", "of correct, high is better"),
-        (["correct", "correct"], "given twice"),
-        ("done_round", "no variable done_round"),
-    ],
-)
+@pytest.mark.parametrize(("metric", "said"), [
+    ("final_eror", "metric='final_eror': did you mean"),
+    ("lowest", "is low or high better"),
+    ("lowest:up", "comes low or high"),
+    ("correct:low", "of correct, high is better"),
+    (["correct", "correct"], "given twice"),
+    ("done_round", "no variable done_round"),
+])  # fmt: skip
 def test_a_measure_that_is_not_there_is_named(metric, said):
     with pytest.raises(sc.InputError, match=said):
         sc.compare(with_metric(made_up()), metric)
 
 
 # ---- what comes of it
-
-
 def test_pairs_are_what_scipy_says_trial_by_trial():
     data = made_up(gap=0.15)
     found = sc.compare(data, ["final_error", "correct"])
@@ -239,8 +226,7 @@ def test_average_ranks_are_those_of_each_trial_and_world():
     for name in ("final_error", "right_consensus_round"):
         numbers = measures.numbers(data, name).reshape(2, 4, 20)
         by_hand = stats.rankdata(numbers, axis=1).mean(axis=(0, 2))
-        ranks = found.ranks[found.ranks["measure"] == name]
-        assert ranks["average_rank"].to_numpy() == pytest.approx(by_hand)
+        assert found.ranks[found.ranks["measure"] == name]["average_rank"].to_numpy() == pytest.approx(by_hand)
         duel = found.duels[found.duels["measure"] == name].iloc[0]
         ahead = (numbers[:, 0] < numbers[:, 1]).mean() - (numbers[:, 0] > numbers[:, 1]).mean()
         assert duel["ahead"] == pytest.approx(ahead)
@@ -374,8 +360,6 @@ def test_too_few_trials_are_said_to_be():
 
 
 # ---- LaTeX
-
-
 def test_a_comparison_is_shown_as_its_verdict_and_its_table():
     comparison = sc.compare(made_up(brains=2, gap=3.0, worlds=("ring", "full <b>")), metric=["final_error", "correct"])
     text, html = repr(comparison), comparison._repr_html_()

@@ -37,20 +37,16 @@ def numbers_of(data, name, **where):
 def test_contenders_are_the_levels_and_worlds_all_else(ran):
     grid, cautions = grid_of(ran, ran, factor=["topology"])
     assert grid.contenders == ["ring", "line"]
-    assert [*grid.worlds[0]] == ["robots", "fill_ratio", "link_success"]
-    assert len(grid.worlds) == 8
+    assert ([*grid.worlds[0]], len(grid.worlds)) == (["robots", "fill_ratio", "link_success"], 8)
     assert not cautions
 
 
-@pytest.mark.parametrize(
-    ("factor", "paired", "reason"),
-    [
-        ("topology", True, "readings"),
-        ("link_success", True, "readings"),
-        ("fill_ratio", True, "lost messages"),  # of worlds in which messages are lost
-        ("robots", False, "depend on robots"),
-    ],
-)
+@pytest.mark.parametrize(("factor", "paired", "reason"), [
+    ("topology", True, "readings"),
+    ("link_success", True, "readings"),
+    ("fill_ratio", True, "lost messages"),  # of worlds in which messages are lost
+    ("robots", False, "depend on robots"),
+])  # fmt: skip
 def test_trials_are_paired_where_they_share_random_numbers(ran, factor, paired, reason):
     found = sc.compare(ran, "final_error", factor=factor)
     assert found.contests[0].paired.any() == paired
@@ -117,21 +113,17 @@ def test_liars_are_compared_with_none():
 
 
 def test_a_parameter_of_a_brain_is_a_factor():
-    data = made_up()
-    found = sc.compare(data, "final_error", where='brain == "bayes-bots"', factor="prior")
+    found = sc.compare(made_up(), "final_error", where='brain == "bayes-bots"', factor="prior")
     assert found.contenders == ["prior=1", "prior=10"]
     assert found.pairing == ["not paired: these results do not say which random numbers their trials share"]
 
 
-@pytest.mark.parametrize(
-    ("factor", "key", "said"),
-    [
-        ("topologie", "factor", "did you mean 'topology'"),
-        ("accuracy_black", "factor", "accuracy: name that"),
-        ("accuracy", "factor", "they differ in topology, robots, fill_ratio, link_success"),
-        ((), None, "They differ in topology, robots, fill_ratio, link_success: choose what to compare"),
-    ],
-)
+@pytest.mark.parametrize(("factor", "key", "said"), [
+    ("topologie", "factor", "did you mean 'topology'"),
+    ("accuracy_black", "factor", "accuracy: name that"),
+    ("accuracy", "factor", "they differ in topology, robots, fill_ratio, link_success"),
+    ((), None, "They differ in topology, robots, fill_ratio, link_success: choose what to compare"),
+])  # fmt: skip
 def test_a_factor_that_cannot_be_compared_is_refused(ran, factor, key, said):
     with pytest.raises(InputError) as refusal:
         sc.compare(ran, factor=factor)
@@ -267,8 +259,7 @@ def test_profiles_keep_trials_in_which_nothing_happened():
 
 
 def test_profiles_are_drawn_and_other_measures_are_refused(ran):
-    figure = sc.plot.lines(made_up(), form="steps", y="right_consensus_round")
-    lines = figure.axes[0].get_lines()
+    lines = sc.plot.lines(made_up(), form="steps", y="right_consensus_round").axes[0].get_lines()
     assert len(lines) == 4
     assert max(lines[0].get_ydata()) < 100.0
     with pytest.raises(InputError) as refusal:
@@ -291,8 +282,6 @@ def test_the_command_compares_a_factor(ran, refused, accepted):
 
 
 # ---- interactions: whether an effect differs between levels of another factor, by hand, by brute force and by chance
-
-
 HOW = {(True, True): "signed-rank", (False, True): "rank-sum", (True, False): "rank-sum", (False, False): "rank-sum"}
 WORLD = {"topology": ["ring", "line"], "fill_ratio": [0.35, 0.6]}
 
@@ -317,8 +306,6 @@ def four(data, topology=("ring", "line"), of="final_error", **where):
 
 
 # ---- by hand
-
-
 def test_an_example_by_hand():
     # effects 1, 2, 3 at the first level and 0, 4, 2 at the second: in trials 1, -2 and 1 apart
     numbers = np.array([[[5.0, 5.0, 5.0], [2.0, 6.0, 7.0]], [[4.0, 3.0, 2.0], [2.0, 2.0, 5.0]]])
@@ -346,8 +333,6 @@ def test_trials_that_some_lack_are_left_out():
 
 
 # ---- rows, by brute force
-
-
 def test_rows_are_those_of_the_definition(two_brains):
     found = sc.compare(two_brains, "final_error", interaction="topology")
     [row] = found.rows
@@ -420,8 +405,6 @@ def test_whoever_names_an_interaction_gets_a_sentence_that_adds_up():
 
 
 # ---- by chance
-
-
 @pytest.mark.parametrize("skewed", [False, True], ids=["normal", "skewed"])
 @pytest.mark.parametrize("sharing", [*HOW], ids=["paired", "across", "within", "none"])
 @pytest.mark.long(but=["paired-normal"])
@@ -444,8 +427,6 @@ def test_intervals_hold_and_tests_err_as_often_as_they_say(sharing, skewed):
 
 
 # ---- what cannot be answered
-
-
 def test_what_cannot_be_answered_is_refused_with_the_reason(two_brains):
     refusals = [
         ({"interaction": "brain"}, "interaction='brain': it is the factor"),
@@ -468,8 +449,6 @@ def test_what_cannot_be_answered_is_refused_with_the_reason(two_brains):
 
 
 # ---- the command, and coordinates by which worlds differ
-
-
 def test_the_command_says_it(two_brains, here, accepted, refused):
     sc.save(two_brains, "a.nc")
     how = ["compare", "a.nc", "--by", "topology", "--metric", "final_error"]
@@ -508,8 +487,7 @@ def test_dots_stand_beside_each_other_and_on_the_axes(by):
     lines = [line for line in axes.lines if line.get_label().startswith("line ")]
     places = np.array([line.get_transform().transform(line.get_xydata())[:, 0] for line in lines])
     left, right = axes.bbox.x0, axes.bbox.x1
-    assert places.shape == (20, 2)
-    assert len({*places[:, 0].round(3).tolist()}) == 20
+    assert (places.shape, len({*places[:, 0].round(3).tolist()})) == ((20, 2), 20)
     assert left < places.min()
     assert places.max() < right
     assert np.ptp(places[:, 0]) < 0.8 * np.diff(places[0])[0]

@@ -105,22 +105,19 @@ def test_what_is_wrong_differs():
 MIXED = [{"robots": 3, "brain": "consensus-innovations"}]
 
 
-@pytest.mark.parametrize(
-    ("brain", "tables", "why"),
-    [
-        pytest.param(
-            "swift", {}, "no closed form is known for swift", marks=[pytest.mark.long, pytest.mark.interpreted]
-        ),
-        ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
-        ("commons", {"world": RING | {"link_success": 0.5}}, "messages are lost"),
-        ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
-        ("commons", {"world": RING | {"message_delay": 1}}, "messages are late"),
-        ("commons", {"schedule": FEW | {"rounds": 2}}, "cutting estimates to"),
-        ("alone", {"trials": 20}, "fewer than 50 trials"),
-        ("alone", {"accuracy": 1.0, "world": RING | {"fill_ratio": 1.0}}, "readings are certain"),
-        pytest.param("alone", {"members": MIXED}, "robots have several brains", marks=pytest.mark.interpreted),
-    ],
-)
+@pytest.mark.parametrize(("brain", "tables", "why"), [
+    pytest.param(
+        "swift", {}, "no closed form is known for swift", marks=[pytest.mark.long, pytest.mark.interpreted]
+    ),
+    ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
+    ("commons", {"world": RING | {"link_success": 0.5}}, "messages are lost"),
+    ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
+    ("commons", {"world": RING | {"message_delay": 1}}, "messages are late"),
+    ("commons", {"schedule": FEW | {"rounds": 2}}, "cutting estimates to"),
+    ("alone", {"trials": 20}, "fewer than 50 trials"),
+    ("alone", {"accuracy": 1.0, "world": RING | {"fill_ratio": 1.0}}, "readings are certain"),
+    pytest.param("alone", {"members": MIXED}, "robots have several brains", marks=pytest.mark.interpreted),
+])  # fmt: skip
 def test_where_theory_is_not_exact_it_says_why(brain, tables, why):
     found = sc.explain(run(brain, **tables))
     assert (found.exact, found.agree) == (0, 0)

@@ -64,8 +64,7 @@ def test_measured_figures_are_those_of_the_results(results):
 
 
 def test_lines_are_theorys(results):
-    number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
-    lines = sc.explain(results, number).theory
+    lines = sc.explain(results, only(results, brain="minimalistic", topology="ring", accuracy="0.8")).theory
     assert {*lines} == {ALONE, NEAR, MIXED, SWARM}
     ring = theory.mixing_matrix("ring", 12)
     for k, rounds in enumerate((5, 30, 30)):
@@ -116,8 +115,7 @@ def test_what_limits_a_swarm(results):
 def test_under_robots_that_move_the_floor_has_its_part():
     found = sc.explain(walk(), 0)
     assert {*found.theory} == {SWARM}
-    assert found.unit == "ticks"
-    assert [*found.terms] == ["sensors", "floor", "mixing"]
+    assert (found.unit, [*found.terms]) == ("ticks", ["sensors", "floor", "mixing"])
     assert found.terms["floor"] > 0.0
     assert {*found.absent} == {ALONE, NEAR, MIXED}
     assert sc.explain(walk("floor"), 0).terms["floor"] == 0.0
@@ -128,19 +126,16 @@ NOWHERE = {ALONE, NEAR, MIXED, SWARM}
 
 @pytest.mark.long(but=["changes1-absent1-sensors drift", "changes7-absent7-messages are lost"])
 @pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("changes", "absent", "why"),
-    [
-        ({"world": {"fill_ratio": {"from": 0.85, "to": 0.15, "at": 9}}}, NOWHERE, "the floor changes while robots obs"),
-        ({"swarm": {"accuracy": {"start": 0.8, "drift": -0.001}}}, NOWHERE, "sensors drift"),
-        ({"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, NOWHERE, "some robots lie"),
-        ({"faults": [{"at": 3, "robots": 2, "stop": "sensing"}]}, NOWHERE, "parts of robots fail"),
-        ({"swarm": {"brain": {"file": "sure", "within": 0.4}}}, NOWHERE, "some robots are done before the end"),
-        ({"swarm": {"accuracy": 0.5}}, NOWHERE, "b + w = 1: readings say nothing of the floor"),
-        ({"swarm": {"assumed_accuracy": 0.7}}, {ALONE, MIXED}, "robots are wrong about their sensors"),
-        ({"world": {"link_success": 0.5}}, {MIXED}, "messages are lost"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "absent", "why"), [
+    ({"world": {"fill_ratio": {"from": 0.85, "to": 0.15, "at": 9}}}, NOWHERE, "the floor changes while robots obs"),
+    ({"swarm": {"accuracy": {"start": 0.8, "drift": -0.001}}}, NOWHERE, "sensors drift"),
+    ({"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, NOWHERE, "some robots lie"),
+    ({"faults": [{"at": 3, "robots": 2, "stop": "sensing"}]}, NOWHERE, "parts of robots fail"),
+    ({"swarm": {"brain": {"file": "sure", "within": 0.4}}}, NOWHERE, "some robots are done before the end"),
+    ({"swarm": {"accuracy": 0.5}}, NOWHERE, "b + w = 1: readings say nothing of the floor"),
+    ({"swarm": {"assumed_accuracy": 0.7}}, {ALONE, MIXED}, "robots are wrong about their sensors"),
+    ({"world": {"link_success": 0.5}}, {MIXED}, "messages are lost"),
+])  # fmt: skip
 @pytest.mark.filterwarnings("ignore:.*carries no information:UserWarning")
 def test_where_theory_does_not_hold_it_says_why(changes, absent, why):
     data = run(trials=6, **changes)
@@ -176,15 +171,12 @@ def file(results, tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--setting", "99"], "--setting 99: these results hold setting 0 to 7"),
-        (["--setting", "-1"], "should be a whole number from 0"),
-        (["--setting", "1", "--where", "robots == 12"], "--where does not go with --setting, which shows one setting"),
-        (["--where", "robots == 7"], "where"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"), [
+    (["--setting", "99"], "--setting 99: these results hold setting 0 to 7"),
+    (["--setting", "-1"], "should be a whole number from 0"),
+    (["--setting", "1", "--where", "robots == 12"], "--where does not go with --setting, which shows one setting"),
+    (["--where", "robots == 7"], "where"),
+])  # fmt: skip
 def test_a_setting_that_is_not_there_is_named(file, arguments, said, refused):
     assert said in refused("explain", file, *arguments)
 
@@ -198,8 +190,6 @@ def test_where_nobody_errs_nothing_limits(tmp_path, accepted):
 
 
 # ---- figures
-
-
 def theory_of(axes):
     return {str(line.get_label()): line for line in axes.lines if str(line.get_label()).startswith("theory")}
 
@@ -241,8 +231,6 @@ def test_curves_carry_middle_halves(results):
 
 
 # ---- what wrong beliefs cost: the closed form against the likelihood and the simulation, and the figure of both
-
-
 STUDY = """
 seed = 5
 trials = 12
@@ -261,8 +249,6 @@ ticks = 2000
 
 
 # ---- the closed form
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_asymptote_maximises_the_expected_likelihood(seed):
     rng = np.random.default_rng(seed)
@@ -285,8 +271,7 @@ def test_asymptote_of_expected_readings():
     """A hundred readings, of which the very share that is expected says black, in the brain itself."""
     cases = [(0.8, 0.6, 0.7, 0.75, 0.5), (0.7, 0.7, 0.6, 0.6, 0.9), (0.9, 0.9, 0.3, 0.3, 0.4)]
     for b, w, assumed_b, assumed_w, f in cases:
-        black = round(100 * (b * f + (1 - w) * (1 - f)))
-        readings = (np.arange(100) < black).astype(float)[:, np.newaxis]
+        readings = (np.arange(100) < round(100 * (b * f + (1 - w) * (1 - f)))).astype(float)[:, np.newaxis]
         for brain in sorted(EQ_4):
             assumed = {"black": assumed_b, "white": assumed_w}
             trace = sc.infer(readings, None, assumed, brain=brain, observations_per_round=100)
@@ -295,8 +280,6 @@ def test_asymptote_of_expected_readings():
 
 
 # ---- the simulation
-
-
 @pytest.mark.long(but=["full"])
 @pytest.mark.parametrize("topology", ["full", '"moving"\ndensity = 10'])
 def test_swarms_go_where_the_closed_form_says(topology):
