@@ -139,12 +139,8 @@ def test_the_front_is_of_those_whom_none_beats_in_both():
             value[random.integers(6)] = np.nan
             found = front(cost, value, low)
             for k in range(6):
-                beaten = any(
-                    cost[o] <= cost[k]
-                    and (value[o] <= value[k] if low else value[o] >= value[k])
-                    and (cost[o], value[o]) != (cost[k], value[k])
-                    for o in range(6)
-                )
+                as_good = (cost <= cost[k]) & (value <= value[k] if low else value >= value[k])
+                beaten = (as_good & ((cost != cost[k]) | (value != value[k]))).any()
                 assert found[k] == (not beaten and not np.isnan(value[k]))
     near, far = np.array([2408.1, 2408.3]), np.array([2400.0, 2410.0])  # costs that chance alone tells apart, or not
     assert [front(cost, np.array([0.2, 0.1]), True).tolist() for cost in (near, far)] == [[False, True], [True, True]]
