@@ -180,9 +180,8 @@ def test_longest_tick_is_that_of_a_phase_with_twenty_senders(avr):
     rare = "me.past += 1.0\n    if me.past % 500.0 == 0.0:\n        "
     loop = "for _ in range(TURNS):\n            me.x = 0.5 * me.x + 0.25\n"
     slow = own.replace("def fuse(me):\n", f"def fuse(me):\n    {rare}{loop}")
-    short, long = (
-        avr.cost(parse(slow.replace("TURNS", turns), "slow", Path("slow.py"))).longest for turns in ("6000", "12000")
-    )
+    brains = [parse(slow.replace("TURNS", turns), "slow", Path("slow.py")) for turns in ("6000", "12000")]
+    short, long = (avr.cost(one).longest for one in brains)
     assert short > 2**20
     assert long == pytest.approx(2 * short, rel=0.02)
 

@@ -13,12 +13,10 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from tests.support.places import DATA
 
-SIMULATOR = pytest.mark.skipif(
-    "POGOSIM" not in os.environ, reason="needs POGOSIM, where it is installed, and LIBRARIES if make cannot link"
-)
-BOARD = pytest.mark.skipif(
-    not {"SDK", "SOURCES"} <= set(os.environ), reason="needs SDK and SOURCES, where the Makefile says what they are"
-)
+WHY = "needs POGOSIM, where it is installed, and LIBRARIES if make cannot link"
+SIMULATOR = pytest.mark.skipif("POGOSIM" not in os.environ, reason=WHY)
+WHY = "needs SDK and SOURCES, where the Makefile says what they are"
+BOARD = pytest.mark.skipif(not {"SDK", "SOURCES"} <= set(os.environ), reason=WHY)
 
 
 def made(tmp_path, brain, goal):

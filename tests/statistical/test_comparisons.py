@@ -1,7 +1,6 @@
 """A comparison tells equal contenders apart in at most 5 % of tables, unequal ones as often as theory says.
 
-Seeds are fixed. Where a share is held against a number, a right program would fail with another seed in less than one
-case of 1,000: the bounds are binomial quantiles.
+Bounds of shares are binomial quantiles: with another seed a right program would fail in less than one case of 1,000.
 """
 
 import functools
@@ -53,15 +52,9 @@ def judged(numbers, statistic="median"):
 
 @pytest.mark.long(but=["continuous-(1, 1, 2, 6)"])
 @pytest.mark.parametrize(("kind", "shape"), [
-    ("continuous", (1, 1, 2, 6)),
-    ("continuous", (3, 1, 2, 10)),
-    ("continuous", (1, 2, 5, 30)),
-    ("tied", (3, 2, 2, 6)),
-    ("tied", (2, 3, 5, 10)),
-    ("tied", (2, 1, 5, 30)),
-    ("heavy", (1, 4, 2, 30)),
-    ("heavy", (2, 1, 5, 10)),
-    ("heavy", (1, 1, 5, 6)),
+    ("continuous", (1, 1, 2, 6)), ("continuous", (3, 1, 2, 10)), ("continuous", (1, 2, 5, 30)),
+    ("tied", (3, 2, 2, 6)), ("tied", (2, 3, 5, 10)), ("tied", (2, 1, 5, 30)), ("heavy", (1, 4, 2, 30)),
+    ("heavy", (2, 1, 5, 10)), ("heavy", (1, 1, 5, 6)),
 ], ids=str)  # fmt: skip
 def test_false_alarms_of_equal_contenders(kind, shape):
     random = np.random.default_rng(7)
@@ -103,15 +96,12 @@ def power(off, trials, tables=20_000):
     return told.mean()
 
 
-def within(share, expected, tries=20_000):
-    return abs(share - expected) < 3.3 * math.sqrt(expected * (1 - expected) / tries)
-
-
 @pytest.mark.long(but=["1.0"])
 @pytest.mark.parametrize("off", [0.5, 1.0, 1.5])
 def test_power_of_six_trials(off):
     side = stats.norm.cdf(off)
-    assert within(power(off, 6), side**6 + (1 - side) ** 6)
+    expected = side**6 + (1 - side) ** 6
+    assert abs(power(off, 6) - expected) < 3.3 * math.sqrt(expected * (1 - expected) / 20_000)
 
 
 @pytest.mark.long(only=["0.9-15"])
@@ -274,9 +264,9 @@ def test_the_interval_at_which_a_rule_ends(rule, draw, truth, at_least, times):
 
 @pytest.mark.long(but_every=2)
 @pytest.mark.parametrize("trials", [6, 30])
-@pytest.mark.parametrize(
-    ("draw", "statistic", "truth"), [(right(0.9), "share", 0.9), (errors, "median", 1.0), (normals, "mean", 0.0)]
-)
+@pytest.mark.parametrize(("draw", "statistic", "truth"), [
+    (right(0.9), "share", 0.9), (errors, "median", 1.0), (normals, "mean", 0.0),
+])  # fmt: skip
 def test_the_interval_of_so_many_trials(draw, statistic, truth, trials):
     rng = np.random.default_rng(9)
     hits = 0

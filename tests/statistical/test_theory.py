@@ -102,16 +102,13 @@ def test_readings_of_rounds_and_robots_are_independent():
 def test_the_oracles_error_is_as_small_as_can_be(topology):
     """The Cramer-Rao bound 1 / sqrt(sum I), sensors unequal: chi-square of the variance and z of the mean.
 
-    Two-sided at 0.05 % each, so 0.1 % for both. With 3,000 readings the estimate is normal, its variance at the bound,
-    to far less than what 400 trials tell.
+    Two-sided at 0.05 % each, so 0.1 % for both; of 3,000 readings the estimate is as good as normal, at the bound.
     """
     trials, robots, rounds, f = 400, 20, 150, 0.4
     b = w = np.random.default_rng(1).uniform(0.55, 0.95, robots)
     members = [{"robots": 1, "accuracy": float(one)} for one in b[1:]]
-    study = study_of(
-        "oracle", robots=robots, accuracy=float(b[0]), assumed_accuracy=0.9, rounds=rounds, looks=1, trials=trials,
-        seed=12, members=members, topology=topology, fill_ratio=f, link_success=0.5,
-    )  # fmt: skip
+    world = {"members": members, "topology": topology, "fill_ratio": f, "link_success": 0.5, "assumed_accuracy": 0.9}
+    study = study_of("oracle", robots, float(b[0]), rounds, looks=1, trials=trials, seed=12, **world)
     final = sc.run(study)["final_estimate"].values[0, :, 0]
     p = b * f + (1 - w) * (1 - f)
     bound = 1 / (rounds * ((b + w - 1) ** 2 / (p * (1 - p))).sum())
@@ -167,9 +164,8 @@ def of_sensors(accuracy, k):
 
 
 def setting_of(change, accuracy):
-    (setting,) = settings_of(
-        40, accuracy=accuracy, looks=10, rounds=ROUNDS, trials=100, seed=17, topology="line", fill_ratio=change
-    )
+    world = {"topology": "line", "fill_ratio": change}
+    (setting,) = settings_of(40, accuracy=accuracy, looks=10, rounds=ROUNDS, trials=100, seed=17, **world)
     return setting
 
 

@@ -29,9 +29,8 @@ class Swarm:
         folder.mkdir(exist_ok=True)
         self.links = reference.hearers(setting, None, trial)
         self.keys = addresses.losses_key(setting, seed), addresses.draw_keys(setting, seed)
-        _, _, self.b, self.w = (
-            np.broadcast_to(side[0], setting.robots) for side in sampling.accuracies(setting, seed, trial, 1)
-        )
+        sides = sampling.accuracies(setting, seed, trial, 1)
+        _, _, self.b, self.w = (np.broadcast_to(side[0], setting.robots) for side in sides)
         looks = setting.observations_per_round
         self.readings = record_readings(setting, seed, trial).reshape(setting.rounds, looks, setting.robots)
         crew = [
