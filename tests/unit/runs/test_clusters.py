@@ -117,10 +117,9 @@ def test_finished_work_starts_no_cluster(here):
 def test_a_worker_that_is_killed_costs_nothing(here):
     some = study(LONG).with_(trials=80)
     with processes(2) as cluster, distributed.Client(cluster, set_as_default=False) as client:
-        scheduler = cluster.scheduler_address
         victims = sorted(client.run(os.getpid).values())
         kill = Once(lambda: [os.kill(pid, signal.SIGKILL) for pid in victims])  # all that hold anything
-        killed = run(some, cluster=scheduler, progress=kill, out="s.nc")
+        killed = run(some, cluster=cluster.scheduler_address, progress=kill, out="s.nc")
         assert kill.done
         client.wait_for_workers(2, timeout=30)
         assert not set(client.run(os.getpid).values()) & set(victims)
@@ -250,8 +249,6 @@ def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
 @pytest.mark.long
 def test_a_plain_run_does_without_dask(here):
     Path("s.toml").write_text(FIXED.replace(', "mine.py"', ""))
-    code = (
-        "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli.commands import main; "
-        "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.runs.clusters' not in sys.modules"
-    )
+    code = "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli.commands import main; "
+    code += "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.runs.clusters' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -12,14 +12,12 @@ from swarmcensus.support import intervals
 from swarmcensus.support.errors import InputError
 
 WORLD = {"topology": ["ring", "full"], "fill_ratio": [0.55]}
-SCHEDULE = {"rounds": 50}
-MEASURE = {"checkpoints": [10, 20, 50]}
+MORE = {"schedule": {"rounds": 50}, "measure": {"checkpoints": [10, 20, 50]}}
 
 
-def study(rule, at_least=8, at_most=200, **changes):
-    trials = {"until": rule, "at_least": at_least, "at_most": at_most}
-    tables = {"seed": 5, "swarm": {"robots": 10, "accuracy": [0.7, 0.95]}, "world": WORLD, "schedule": SCHEDULE}
-    return sc.Study(trials=trials, measure=MEASURE, **(tables | changes))
+def study(rule):
+    trials = {"until": rule, "at_least": 8, "at_most": 200}
+    return sc.Study(trials=trials, seed=5, swarm={"robots": 10, "accuracy": [0.7, 0.95]}, world=WORLD, **MORE)
 
 
 def needed(data):
@@ -41,9 +39,8 @@ def test_each_setting_gets_what_it_needs(rule, variable):
         values = data[variable].values[k]
         values = values[1, :, np.newaxis] if variable == "correct" else values
         for stage in [s for s in stages if s <= trials]:
-            _, low, high = intervals.estimate(
-                values[:stage].astype(float), rule.split()[1], variable == "correct", look_level(stage)
-            )
+            seen = (values[:stage].astype(float), rule.split()[1], variable == "correct", look_level(stage))
+            _, low, high = intervals.estimate(*seen)
             # it stops at the first look at which the interval is narrow enough, and at no other
             assert ((high - low) / 2 <= width) == (stage == trials and trials < stages[-1]) or stage == stages[-1]
         assert data["half_width"].values[k] == pytest.approx((high - low) / 2, rel=1e-12)
@@ -102,9 +99,8 @@ def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
     assert levels == sorted(levels, reverse=True)
     assert levels[2:] == pytest.approx([0.97, 0.958, 0.951], abs=5e-4)  # as docs/comparing.md says
     values = np.random.default_rng(3).normal(size=(30, 4))
-    rule = Until(until="final_estimate mean +- 1")
     _, low, high = intervals.estimate(values, "mean")
-    assert rule.half_width(values) > (high - low) / 2
+    assert Until(until="final_estimate mean +- 1").half_width(values) > (high - low) / 2
 
 
 @pytest.mark.parametrize(("trials", "said"), [
@@ -120,7 +116,7 @@ def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
 ])  # fmt: skip
 def test_bad_rules(trials, said):
     with pytest.raises(InputError, match=re.escape(said)):
-        sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE, measure=MEASURE)
+        sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, **MORE)
 
 
 def test_the_report_lists_what_each_setting_needed(here, accepted):

@@ -158,9 +158,8 @@ def test_as_few_tiles_turn_as_can(kind):
         assert same.true_fill_ratio == ground.truth(tick)
         place = np.stack(np.meshgrid(np.arange(-5, 5), np.arange(-5, 5)), axis=-1).reshape(1, -1, 2).astype(np.int32)
         assert (same.colours(place) == ground.colours(place, tick)).all()
-    rising = sampling.ground(
-        moving_of(ticks=50, fill_ratio={"from": 0.0, "to": 1.0, "at": 11, "until": 40}, **world), SEED, 1
-    )
+    change = {"from": 0.0, "to": 1.0, "at": 11, "until": 40}
+    rising = sampling.ground(moving_of(ticks=50, fill_ratio=change, **world), SEED, 1)
     assert not rising.all_tiles().any()
     assert (rising.turns() >= 11).all()
     assert (rising.turns() <= 40).all()
@@ -179,9 +178,8 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
         arena.show(tick)
         drawn = np.asarray(arena.image.get_array())
         assert (drawn < 0.9).mean() == pytest.approx(float(ground.truth(tick)), abs=0.05)
-        assert f"true f = {float(along(Change(0.85, 0.25, 31, 71).course, tick)):.4g}" in [
-            text.get_text() for text in arena.bar.get_yticklabels()
-        ]
+        truth = f"true f = {float(along(Change(0.85, 0.25, 31, 71).course, tick)):.4g}"
+        assert truth in [text.get_text() for text in arena.bar.get_yticklabels()]
     assert len(arena.axes.child_axes) == 1
     assert arena.paint(100) is False
     empty = Arena(trace.drop_vars([FLOOR, TURNS]))

@@ -47,9 +47,8 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(here, what):
     faults = [one.fault for one in suite.examine(brains.load("beyond.py"), PROMISES) if one.fault]
     assert any(f"{function} fails at line" in fault and "IndexError" in fault for fault in faults)
     study = study_of("beyond.py", robots=3, accuracy=0.7, rounds=4, trials=1, fill_ratio=0.5)
-    with pytest.raises(
-        InputError, match=r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
-    ):
+    said = r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
+    with pytest.raises(InputError, match=said):
         sc.run(study)
 
 
@@ -61,9 +60,8 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(here, what):
     ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
 ])  # fmt: skip
 def test_a_message_of_another_shape_is_refused(message, given, said):
-    source = changed(
-        ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS
-    )
+    changes = ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}")
+    source = changed(*changes, source=COUNTS)
     source = changed(("me.heard[k] += message[0][k]", "me.heard[k] += 1.0"), source=source)
     (setting,) = fixed(brain(source))
     with pytest.raises(InputError, match=said):

@@ -62,9 +62,8 @@ def test_liars_are_a_number_and_have_a_name(data):
     who = ["always-black", "slow-liar pace=0.01", "slow-liar pace=0.02", "jammer", "grey.py"]
     assert data["adversary"].values.tolist() == 2 * ["", *who, *who]
     assert data["members"].values[6] == "0.3 always-black, not honest"
-    assert (
-        np.isfinite(data["final_estimate"].values[:11]).sum(axis=(1, 2)) == 3 * (10 - data["liars"].values[:11])
-    ).all()
+    known = np.isfinite(data["final_estimate"].values[:11]).sum(axis=(1, 2))
+    assert (known == 3 * (10 - data["liars"].values[:11])).all()
     assert json.loads(data.attrs["brains"]).keys() == {"minimalistic", "legacy"}
     assert json.loads(data.attrs["adversaries"]).keys() == {"always-black", "slow-liar", "jammer", "grey.py"}
     assert where(data, "liars == 3 and adversary == 'jammer'").sizes["setting"] == 2
@@ -123,9 +122,8 @@ def test_wrong_liars_are_named(tmp_path, old, new, said):
     (tmp_path / "bad.py").write_text("def lie(me, x):\n    return me.y\n")
     (tmp_path / "mute.py").write_text(MEANS.replace('("x",)', '("words",)'))
     assert old in STUDY
-    with pytest.raises(sc.InputError) as caught:
+    with pytest.raises(sc.InputError, match=re.escape(said)):
         sc.Study.parse(STUDY.replace(old, new, 1), context={"base": tmp_path})
-    assert said in str(caught.value)
 
 
 @pytest.mark.long
@@ -140,10 +138,9 @@ def test_a_lie_that_fails_is_named_with_its_line(tmp_path, monkeypatch, capsys):
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
-@pytest.mark.parametrize(
-    ("kind", "name", "source"),
-    [("brain", "theirs.py", f"{MEANS}\n\ndef decide(me):\n    return 1\n"), ("adversary", "grey.py", MINE)],
-)
+@pytest.mark.parametrize(("kind", "name", "source"), [
+    ("brain", "theirs.py", f"{MEANS}\n\ndef decide(me):\n    return 1\n"), ("adversary", "grey.py", MINE),
+])  # fmt: skip
 def test_a_file_of_members_is_not_run_unasked(kind, name, source, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("ours.py").write_text(MEANS)

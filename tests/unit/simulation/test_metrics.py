@@ -43,10 +43,9 @@ def test_disagreement_is_half_the_width_of_the_middle_nine_tenths(estimates, exp
         assert called(agreement.half_width)(rows[0], nobody, np.empty(len(order))) == half_width(rows[0])
 
 
-@pytest.mark.parametrize(
-    ("widths", "expected"),
-    [([0, 0, 0], 0), ([3, 0, 0], 1), ([0, 3, 2], 2), ([0, 0, 3], np.inf), ([2], 0), ([3], np.inf)],
-)
+@pytest.mark.parametrize(("widths", "expected"), [
+    ([0, 0, 0], 0), ([3, 0, 0], 1), ([0, 3, 2], 2), ([0, 0, 3], np.inf), ([2], 0), ([3], np.inf),
+])  # fmt: skip
 def test_agreement_is_within_delta_to_the_end(widths, expected):
     """Exactly delta is within."""
     curves = 0.5 + np.outer(widths, [-1.0] * 10 + [0.0] + [1.0] * 10) / 32

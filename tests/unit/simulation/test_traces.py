@@ -82,9 +82,8 @@ def test_a_trial_on_directed_links_is_recorded_as_messages():
 
 def test_default_length_of_a_round():
     readings = np.ones((20, 2))
-    assert sc.infer(readings, [[0, 1]], 0.8).sizes["round"] == 3
-    assert sc.infer(readings, [[5, 0, 1]], 0.8).sizes["round"] == 21
-    assert sc.infer(readings, None, 0.8).sizes["round"] == 3
+    for links, rounds in (([[0, 1]], 3), ([[5, 0, 1]], 21), (None, 3)):
+        assert sc.infer(readings, links, 0.8).sizes["round"] == rounds
 
 
 def test_forms_of_accuracy():
@@ -121,16 +120,15 @@ def test_what_is_refused(arguments, said):
 
 
 def test_replay_of_what_is_not_there(small_results):
-    with pytest.raises(sc.InputError, match="setting=99: these results hold setting 0 to 31"):
-        sc.replay(small_results, 99, 0)
-    with pytest.raises(sc.InputError, match="trial=4: these results hold trial 0 to 3"):
-        sc.replay(small_results, 0, 4)
+    for where, said in (((99, 0), "setting=99: these results hold setting 0 to 31"),
+                        ((0, 4), "trial=4: these results hold trial 0 to 3")):  # fmt: skip
+        with pytest.raises(sc.InputError, match=said):
+            sc.replay(small_results, *where)
 
 
 def test_accuracies_as_they_are_written():
-    sides = {"black": 0.9, "white": 0.6}
-    assert recordings.read_accuracy("{black = 0.9, white = 0.6}") == sides
-    assert recordings.read_accuracy("black=0.9 white=0.6") == sides  # as it is printed
+    for text in ("{black = 0.9, white = 0.6}", "black=0.9 white=0.6"):  # the latter as it is printed
+        assert recordings.read_accuracy(text) == {"black": 0.9, "white": 0.6}
     for bad in ("good", "0.1,0.2", "U(0.6, 0.8)"):
         with pytest.raises(sc.InputError, match="should be"):
             recordings.read_accuracy(bad)
@@ -152,8 +150,7 @@ def test_traces_are_written_as_csv_or_netcdf(small_results, tmp_path):
 
 
 # ---- one trial a stretch at a time; test_recorded.py compares it with what `replay` shows
-NETWORK = {"topology": "ring", "fill_ratio": 0.6}
-MOVING = {"topology": "moving", "density": 3.0, "fill_ratio": 0.6}
+NETWORK, MOVING = ({"topology": "ring", "fill_ratio": 0.6}, {"topology": "moving", "density": 3.0, "fill_ratio": 0.6})
 CASES = {
     "lossy": ({}, {**NETWORK, "topology": "scale-free", "link_success": 0.5}, {}),
     "silent": ({"brain": "voter"}, {**NETWORK, "topology": "full", "link_success": 0.7}, {}),
@@ -163,8 +160,7 @@ CASES = {
 
 
 def changing_study(swarm, world, more, rounds=90):
-    moves = world["topology"] == "moving"
-    length = {"ticks": rounds} if moves else {"rounds": rounds}
+    length = {"ticks" if world["topology"] == "moving" else "rounds": rounds}
     robots = {"robots": 8, "accuracy": "U(0.6, 0.9)"}
     return sc.Study(trials=2, seed=5, swarm=robots | swarm, world=world, schedule=length, **more)
 
@@ -198,5 +194,4 @@ def test_what_is_kept_does_not_grow(short):
 
 def test_a_way_is_gone_step_by_step(short):
     life = Stepped(changing_study({}, NETWORK, {}).settings()[0], 5, 1)
-    assert [life.approach(3) for _ in range(4)] == [False, False, False, True]
-    assert life.approach(3)
+    assert [life.approach(3) for _ in range(5)] == [False, False, False, True, True]

@@ -1,6 +1,7 @@
 """Topologies: who hears whom."""
 
 import itertools
+import re
 
 import matplotlib.text
 import networkx as nx
@@ -59,18 +60,18 @@ def test_scale_free_is_a_tree(robots, tmp_path):
 def test_edge_list_file(tmp_path):
     (tmp_path / "office.csv").write_text("from,to\n0,1\n1,4\n4,1\n")
     topology = parse("office.csv", tmp_path)
-    assert not topology.directed
-    assert (topology.name, topology.edges) == ("office", ((0, 1), (1, 4)))
+    assert (topology.name, topology.edges, topology.directed) == ("office", ((0, 1), (1, 4)), False)
     topology.check(5)
     with pytest.raises(ValueError, match=r"office.csv: edge \(1, 4\).*not there: the robots are numbered 0 to 3"):
         topology.check(4)
 
 
 def test_a_graphs_own_numbers_are_kept(tmp_path):
-    assert parse(nx.Graph([(4, 5), (0, 1)]), tmp_path).edges == ((0, 1), (4, 5))
-    assert parse(nx.DiGraph([(np.int64(3), 2), (0, 1)]), tmp_path).edges == ((0, 1), (3, 2))
-    assert parse(nx.Graph([("c", "a"), ("b", "a")]), tmp_path).edges == ((0, 1), (1, 2))
-    assert parse(nx.Graph([(-1, 0)]), tmp_path).edges == ((0, 1),)
+    for graph, edges in (
+        (nx.Graph([(4, 5), (0, 1)]), ((0, 1), (4, 5))), (nx.DiGraph([(np.int64(3), 2), (0, 1)]), ((0, 1), (3, 2))),
+        (nx.Graph([("c", "a"), ("b", "a")]), ((0, 1), (1, 2))), (nx.Graph([(-1, 0)]), ((0, 1),)),
+    ):  # fmt: skip
+        assert parse(graph, tmp_path).edges == edges
 
 
 def heard(topology, robots, graph=0):
@@ -94,16 +95,14 @@ def test_of_a_directed_edge_the_second_hears_the_first(kind, tmp_path):
         "file": {"file": "office.csv", "directed": True},
     }[kind]
     topology = parse(value, tmp_path)
-    assert topology.directed
-    assert heard(topology, 4) == ONE_WAY
+    assert (topology.directed, heard(topology, 4)) == (True, ONE_WAY)
     again = parse(topology.form, tmp_path)
     assert (again.edges, again.directed, again.content) == (topology.edges, True, topology.content)
 
 
 def test_the_same_edges_both_ways_are_another_topology(tmp_path):
     one, both = (parse({"name": "x", "edges": [[0, 1]], "directed": d}, tmp_path) for d in (True, False))
-    assert heard(one, 2) == {(0, 1)}
-    assert heard(both, 2) == {(0, 1), (1, 0)}
+    assert (heard(one, 2), heard(both, 2)) == ({(0, 1)}, {(0, 1), (1, 0)})
     assert one.content != both.content
     assert both.content == parse({"name": "x", "edges": [[1, 0]]}, tmp_path).content
 
@@ -142,7 +141,7 @@ def edges(*pairs, **keys):
     return {"name": "x", "edges": list(pairs)} | keys
 
 
-WRONG = [
+@pytest.mark.parametrize(("value", "said"), [
     ("rng", "topology"),
     (3, "a topology is"),
     ({"name": "ring", "edges": []}, "taken"),
@@ -166,10 +165,7 @@ WRONG = [
     ({"networkx": "hypercube_graph", "n": 100}, r"robots for n = \d+ already: give an n for 10 robots"),
     ({"networkx": "grid_2d_graph", "m": 10_000, "n": 10_000}, "robots for n = .* already"),
     ({"networkx": "dorogovtsev_goltsev_mendes_graph"}, "robots for n = .* already"),
-]
-
-
-@pytest.mark.parametrize(("value", "said"), WRONG)
+])  # fmt: skip
 def test_wrong_topologies_are_refused(value, said, tmp_path):
     with pytest.raises(ValueError, match=said):
         parse(value, tmp_path).check(10)
@@ -177,8 +173,8 @@ def test_wrong_topologies_are_refused(value, said, tmp_path):
 
 def test_other_numbers_on_edges_and_multigraphs_are_read(tmp_path):
     graph = nx.Graph([(0, 1, {"label": "x", "near": True, "weight": 1.0}), (1, 2)])
-    assert parse(graph, tmp_path).edges == ((0, 1), (1, 2))
-    assert parse(nx.MultiGraph([(0, 1), (1, 2)]), tmp_path).edges == ((0, 1), (1, 2))
+    for one in (graph, nx.MultiGraph([(0, 1), (1, 2)])):
+        assert parse(one, tmp_path).edges == ((0, 1), (1, 2))
     assert parse(nx.MultiDiGraph([(0, 1), (1, 0)]), tmp_path).edges == ((0, 1), (1, 0))
     graph[1][2]["weight"] = 0.5
     with pytest.raises(sc.InputError, match=r"world.topology\[1\]"):
@@ -281,8 +277,7 @@ SMALL_WORLD = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1}
 def test_a_label_names_a_topology_and_changes_no_number(value, tmp_path):
     (tmp_path / "e.csv").write_text("i,j\n0,1\n")
     plain, labelled = parse(value, tmp_path), parse({**value, "label": "small world"}, tmp_path)
-    assert plain == labelled
-    assert plain.content == labelled.content
+    assert (plain, plain.content) == (labelled, labelled.content)
     assert (str(labelled), labelled.name) == ("small world", str(plain))
     assert str(parse(labelled.form, tmp_path)) == "small world"
 
@@ -384,12 +379,7 @@ def gml(more):
     ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
     ("x.graphml", "<gexf><graph/></gexf>", {}, "not successfully read as graphml"),
     ("x.graphml", XML("<graph><hyperedge/></graph>"), {}, "hyperedges"),
-    (
-        "x.graphml",
-        XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"),
-        {},
-        "nodes within nodes.*table",
-    ),
+    ("x.graphml", XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"), {}, "nodes within nodes.*table"),
     ("x.graphml", XML(f"<graph>{NODES}</graph><graph>{NODES}</graph>"), {}, "nodes within nodes, .*missing"),
     ("x.graphml", XML("<graph><edge source='a' target='b'/></graph>"), {}, "nodes within nodes, .*missing"),
     ("x.gexf", gexf('<node id="a"/><node id="b" pid="a"/>'), {}, "nodes within nodes"),
@@ -439,7 +429,7 @@ def test_of_files_of_yed_the_study_says_whether_links_are_directed(name, text, t
     assert parse({"file": name, "directed": True}, tmp_path).directed
 
 
-TABLES = [
+@pytest.mark.parametrize(("text", "keys"), [
     ("source,target\nhall,attic\nattic,shed\n", {}),
     ("source\ttarget\tweight\n0\t1\t.5\n1\t2\t3\n", {"weights": "ignore"}),
     ("# a comment\n0 1 5\n1 2 7\n", {"weights": "ignore"}),
@@ -447,10 +437,7 @@ TABLES = [
     ("% KONECT\n1 2\n2 3\n", {"renumber": True}),
     ("i,j\n10,30\n30,200\n", {"renumber": True}),
     ("i,j\na,7\n7,b\n", {"renumber": True}),
-]
-
-
-@pytest.mark.parametrize(("text", "keys"), TABLES)
+])  # fmt: skip
 def test_tables_with_weights_and_names_of_nodes(text, keys, tmp_path):
     (tmp_path / "x.csv").write_text(text)
     assert parse({"file": "x.csv", **keys}, tmp_path).edges == ((0, 1), (1, 2))
@@ -468,10 +455,9 @@ def test_pairs_may_be_given_in_many_ways(pairs, links):
     assert list(zip(receivers.tolist(), senders.tolist(), strict=True)) == links
 
 
-@pytest.mark.parametrize(
-    "pairs",
-    [[(0, 1), (1, 2, 0)], [0, 1], [(0.0, 1.0)], [("0", "1")], [(True, False)], [(0, 2**70)], np.zeros((1, 3), int)],
-)
+@pytest.mark.parametrize("pairs", [
+    [(0, 1), (1, 2, 0)], [0, 1], [(0.0, 1.0)], [("0", "1")], [(True, False)], [(0, 2**70)], np.zeros((1, 3), int),
+])  # fmt: skip
 def test_what_are_no_pairs(pairs):
     with pytest.raises(ValueError, match="its edges should be pairs of robot numbers, from 0"):
         wiring.pairs_of(pairs, 3)
@@ -495,8 +481,8 @@ def test_deterministic_generator_makes_one_graph(tmp_path):
 
 def test_degrees_of_scale_free_networks(tmp_path):
     """P(k) = 4 / (k (k + 1) (k + 2)) for m = 1 (Bollobas et al. 2001): chi-square, 0.1 % level, fixed seed."""
-    receivers = links_of(parse("scale-free", tmp_path), 20_000).receivers
-    degrees, k = np.bincount(receivers, minlength=20_000), np.arange(1, 9)
+    degrees = np.bincount(links_of(parse("scale-free", tmp_path), 20_000).receivers, minlength=20_000)
+    k = np.arange(1, 9)
     law = 4 / (k * (k + 1) * (k + 2))
     found = np.append([(degrees == j).sum() for j in k], (degrees > 8).sum())
     assert stats.chisquare(found, np.append(law, 1 - law.sum()) * 20_000).pvalue > 1e-3
@@ -521,12 +507,8 @@ def reaching(graph, some, r):
 
 
 def robust(graph, r, s):
-    return all(
-        reaching(graph, one, r) == len(one)
-        or reaching(graph, other, r) == len(other)
-        or reaching(graph, one, r) + reaching(graph, other, r) >= s
-        for one, other in pairs_of_sets(graph)
-    )
+    found = ([(len(side), reaching(graph, side, r)) for side in sides] for sides in pairs_of_sets(graph))
+    return all(any(size == far for size, far in both) or sum(far for _, far in both) >= s for both in found)
 
 
 def largest_r(graph):
@@ -563,9 +545,8 @@ def test_complete_graphs(n):
 
 def test_hearers_of_a_directed_edge():
     """All hear robot 0, and it hears nobody: a set with it and one without, of which one hears."""
-    out = [(0, k) for k in range(1, 5)]
+    out, back = [(0, k) for k in range(1, 5)], [(k, 0) for k in range(1, 5)]
     assert r_robustness(out, directed=True) == r_robustness(nx.DiGraph(out)) == 1
-    back = [(k, 0) for k in range(1, 5)]
     assert r_robustness(back, directed=True) == 0  # robots 1 and 2 hear nobody
     assert r_robustness(out) == r_robustness(back) == 1
 
@@ -573,15 +554,10 @@ def test_hearers_of_a_directed_edge():
 def test_every_form_of_a_graph():
     edges = [(0, 1), (1, 2), (2, 0), (2, 3), (3, 0)]
     forms = [
-        edges,
-        np.array(edges),
-        nx.Graph(edges),
-        nx.relabel_nodes(nx.Graph(edges), dict(enumerate("abcd"))),
-        nx.relabel_nodes(nx.Graph(edges), {0: 7, 1: 3, 2: 20, 3: 5}),
-        {"name": "square", "edges": edges},
-        networks.parse_topology({"name": "square", "edges": edges}, None, {}),
-        nx.Graph([*edges, (1, 1)]),
-    ]
+        edges, np.array(edges), nx.Graph(edges), nx.relabel_nodes(nx.Graph(edges), dict(enumerate("abcd"))),
+        nx.relabel_nodes(nx.Graph(edges), {0: 7, 1: 3, 2: 20, 3: 5}), {"name": "square", "edges": edges},
+        networks.parse_topology({"name": "square", "edges": edges}, None, {}), nx.Graph([*edges, (1, 1)]),
+    ]  # fmt: skip
     assert [r_robustness(form) for form in forms] == [2] * len(forms)
     assert r_robustness(edges, 5) == 0  # and a robot that hears nobody
 
@@ -605,6 +581,5 @@ def test_every_form_of_a_graph():
     (lambda: r_robustness({"networkx": "gnp_random_graph", "p": 0.5}, 4), "differs from trial to trial"),
 ])  # fmt: skip
 def test_errors_say_what_is_right(ask, said):
-    with pytest.raises(ValueError, match=said.replace("(", r"\(")) as caught:
+    with pytest.raises(ValueError, match=rf"^.*{re.escape(said)}.*\Z"):  # in one line
         ask()
-    assert "\n" not in str(caught.value)
