@@ -1,6 +1,7 @@
 """Study files and tables: grids, defaults, keys that mean nothing, and values however they are given."""
 
 import os
+import re
 import time
 
 import numpy as np
@@ -13,13 +14,10 @@ from swarmcensus.support.errors import LONGEST
 from swarmcensus.support.plugins import MOST_SOURCE
 from tests.support.small import BOTH, MOVING, RING, SMALL, study_of
 
-CONTEXT = "studies/x.toml: "
-
 
 def test_a_grid_is_every_combination():
     study = sc.Study.parse(SMALL)
-    settings = study.settings()
-    assert len(settings) == len(set(settings)) == 4 * 2 * 2 * 2
+    assert len(study.settings()) == len(set(study.settings())) == 4 * 2 * 2 * 2
     assert (study.name, study.seed, study.trials) == ("small", 7, 4)
     assert study.checkpoints == [10, 60]
 
@@ -42,11 +40,9 @@ def test_text_gives_the_same_study_again():
 
 
 @pytest.mark.parametrize(("change", "said"), [
-    (
-        ("robots ", "robot "),
-        "unknown key swarm.robot: did you mean 'robots'? known here: brain, robots, accuracy, assumed_accuracy, "
-        "precision; 1 more error: swarm.robots is missing",
-    ),
+    (("robots ", "robot "),
+     "unknown key swarm.robot: did you mean 'robots'? known here: brain, robots, accuracy, assumed_accuracy, "
+     "precision; 1 more error: swarm.robots is missing"),
     (("world =", "wrld ="), "unknown key wrld: did you mean 'world'"),
     (("[5, 12]", "[]"), "swarm.robots = []"),
     (("[0.675,", "[1.2,"), "swarm.accuracy[0] = 1.2"),
@@ -61,9 +57,8 @@ def test_text_gives_the_same_study_again():
 ])  # fmt: skip
 def test_what_is_wrong_is_named(change, said):
     assert change[0] in SMALL
-    with pytest.raises(sc.InputError) as caught:
+    with pytest.raises(sc.InputError, match=rf"\Astudies/x\.toml: {re.escape(said)}"):
         sc.Study.parse(SMALL.replace(*change, 1), where="studies/x.toml")
-    assert str(caught.value).startswith(CONTEXT + said)
 
 
 def test_blind_sensors_are_warned_of():
@@ -88,7 +83,7 @@ def fault(**changes):
     return [{"at": 1, "robots": 1, "stop": "talking"} | changes]
 
 
-USELESS = [
+@pytest.mark.parametrize(("world", "tables", "said"), [
     (RING, {"schedule": {"ticks": 5}}, "schedule.ticks"),
     (RING | {"density": 1}, {}, "world.density"),
     (RING | {"body": {"radius": 0.1}}, {}, "world.body is of robots that move"),
@@ -100,14 +95,10 @@ USELESS = [
     (RING, {"faults": fault(robots=0.05)}, "faults[0].robots = 0.05"),
     # of a base that only cases use, and of which they use something else
     (RING | {"density": 1}, {"case": [{"topology": "moving", "density": 2}]}, "world.density"),
-]
-
-
-@pytest.mark.parametrize(("world", "tables", "said"), USELESS)
+])  # fmt: skip
 def test_what_means_nothing_is_an_error(world, tables, said):
-    with pytest.raises(sc.InputError) as caught:
+    with pytest.raises(sc.InputError, match=re.escape(said)):
         study(world, **tables)
-    assert said in str(caught.value)
 
 
 @pytest.mark.parametrize(("world", "tables"), [
@@ -123,11 +114,9 @@ def test_what_means_something_somewhere_is_taken(world, tables):
     assert sc.Study.parse(made.text).settings() == made.settings()
 
 
-@pytest.mark.parametrize(
-    "robots",
-    [range(3, 6), np.arange(3, 6), (3, 4, 5), pd.Series([3, 4, 5]), [np.int64(3), np.uint8(4), 5]],
-    ids=lambda v: type(v).__name__,
-)
+@pytest.mark.parametrize("robots", [
+    range(3, 6), np.arange(3, 6), (3, 4, 5), pd.Series([3, 4, 5]), [np.int64(3), np.uint8(4), 5],
+], ids=lambda v: type(v).__name__)  # fmt: skip
 def test_whole_numbers_come_as_lists_of_any_kind(robots):
     made = study(robots=robots)
     assert [s.robots for s in made.settings()] == [3, 4, 5]

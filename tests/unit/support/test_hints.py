@@ -111,5 +111,4 @@ def test_fields_of_wrong_commands(command, file, key, value, small_file, here):
     (here / "broken.toml").write_text(SMALL.replace("world = {", "world = {message_delay = 100, "))
     with pytest.raises(sc.InputError) as caught:
         execute(command)
-    error = caught.value
-    assert (error.file, error.key, str(error.value)) == (file, key, str(value))
+    assert (caught.value.file, caught.value.key, str(caught.value.value)) == (file, key, str(value))

@@ -61,28 +61,21 @@ def test_texts_like_formulas_have_an_apostrophe_and_numbers_have_none(tmp_path):
     assert again["number"].equals(frame["number"])
     assert again["label"].str.replace(r"^'(?=[=+\-@'\t\r])", "", regex=True).tolist() == [*TEXTS]
     assert [*tsv([{"label": "=1+2", "K": -1.5}])] == ["label\tK", "'=1+2\t-1.5"]
-    assert [*tsv({"label": label} for label in ("\ta", "a", "a ", "a\n"))] == [
-        "label",
-        r"\u0009a",
-        "a",
-        "a ",
-        r"a\u000a",
-    ]
+    labels = [{"label": label} for label in ("\ta", "a", "a ", "a\n")]
+    assert [*tsv(labels)] == ["label", r"\u0009a", "a", "a ", r"a\u000a"]
 
 
 # ---- numbers as people read them
-@pytest.mark.parametrize(
-    ("count", "said"),
-    [(0, "0 settings"), (1, "1 setting"), (np.int64(1), "1 setting"), (np.int64(1000), "1,000 settings")],
-)
+@pytest.mark.parametrize(("count", "said"), [
+    (0, "0 settings"), (1, "1 setting"), (np.int64(1), "1 setting"), (np.int64(1000), "1,000 settings"),
+])  # fmt: skip
 def test_one_is_singular_and_thousands_have_commas(count, said):
     assert counted(count, "setting") == said
 
 
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [(10000, "10,000"), (np.int64(1000), "1,000"), (0.55, "0.55"), (np.float64(2), "2.0"), ("ring", "ring")],
-)
+@pytest.mark.parametrize(("value", "said"), [
+    (10000, "10,000"), (np.int64(1000), "1,000"), (0.55, "0.55"), (np.float64(2), "2.0"), ("ring", "ring"),
+])  # fmt: skip
 def test_whole_numbers_have_commas_and_nothing_else_changes(value, said):
     assert grouped(value) == said
 
@@ -94,12 +87,12 @@ def test_medians_of_whole_numbers_keep_their_halves():
 
 
 def test_numbers_have_as_many_digits_as_tell_them_apart():
-    assert distinct_texts(["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"]) == ["0.8", "0.6", "U(0.55,0.95)"]
-    assert distinct_texts([0.12345671, 0.12345672, 1.0]) == ["0.12345671", "0.12345672", "1"]
-    assert distinct_texts(["0.500", "b=0.6"]) == ["0.5", "b=0.6"]
-    assert distinct_texts([0.1, 0.1]) == ["0.1", "0.1"]
-    assert distinct_texts([0.3, 0.1 + 0.2]) == ["0.29999999999999999", "0.30000000000000004"]
-    assert distinct_texts([]) == []
+    for values, texts in (
+        (["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"], ["0.8", "0.6", "U(0.55,0.95)"]), ([], []),
+        ([0.12345671, 0.12345672, 1.0], ["0.12345671", "0.12345672", "1"]), (["0.500", "b=0.6"], ["0.5", "b=0.6"]),
+        ([0.1, 0.1], ["0.1", "0.1"]), ([0.3, 0.1 + 0.2], ["0.29999999999999999", "0.30000000000000004"]),
+    ):  # fmt: skip
+        assert distinct_texts(values) == texts
 
 
 # ---- hTML templates escape all values and refuse unknown names; jinja2 is imported only where HTML is made

@@ -30,20 +30,15 @@ def run(**changes):
 
 @pytest.fixture(scope="module")
 def results():
-    return run(
-        swarm={"brain": ["minimalistic", "commons"], "accuracy": [0.8, "U(0.6, 0.9)"]},
-        world={"topology": ["ring", "scale-free"]},
-    )
+    swarm = {"brain": ["minimalistic", "commons"], "accuracy": [0.8, "U(0.6, 0.9)"]}
+    return run(swarm=swarm, world={"topology": ["ring", "scale-free"]})
 
 
 def walk(truth="nominal"):
     """Robots that move."""
-    return sc.run(
-        sc.Study(
-            trials=6, seed=3, swarm=BASE["swarm"], world={"topology": "moving", "density": 4, "fill_ratio": 0.55},
-            schedule={"ticks": 200}, measure={"truth": truth},
-        )
-    )  # fmt: skip
+    world = {"topology": "moving", "density": 4, "fill_ratio": 0.55}
+    more = {"schedule": {"ticks": 200}, "measure": {"truth": truth}}
+    return sc.run(sc.Study(trials=6, seed=3, swarm=BASE["swarm"], world=world, **more))
 
 
 def only(results, **values):
@@ -234,21 +229,14 @@ def test_curves_carry_middle_halves(results):
 STUDY = """
 seed = 5
 trials = 12
-[swarm]
-robots = 20
-accuracy = [0.675, {black = 0.9, white = 0.7}]
-assumed_accuracy = [{error = -0.05}, {error = 0}, {error = 0.05}, {error = "N(0, 0.05)"}]
-[world]
-topology = ["ring", "moving"]
-density = 10
-fill_ratio = [0.55, 0.95]
-[schedule]
-rounds = 400
-ticks = 2000
+swarm.robots = 20
+swarm.accuracy = [0.675, {black = 0.9, white = 0.7}]
+swarm.assumed_accuracy = [{error = -0.05}, {error = 0}, {error = 0.05}, {error = "N(0, 0.05)"}]
+world = {topology = TOPOLOGY, fill_ratio = [0.55, 0.95]}
+schedule = {LENGTH}
 """
 
 
-# ---- the closed form
 @pytest.mark.parametrize("seed", range(5))
 def test_asymptote_maximises_the_expected_likelihood(seed):
     rng = np.random.default_rng(seed)
@@ -279,18 +267,15 @@ def test_asymptote_of_expected_readings():
             assert trace["estimate"].values[-1, 0] == pytest.approx(predicted, abs=1e-12)
 
 
-# ---- the simulation
 @pytest.mark.long(but=["full"])
-@pytest.mark.parametrize("topology", ["full", '"moving"\ndensity = 10'])
+@pytest.mark.parametrize("topology", ['"full"', '"moving", density = 10'], ids=["full", "moving"])
 def test_swarms_go_where_the_closed_form_says(topology):
     """The mean final estimate, within 4.5 standard errors over trials: 12 settings fail together once in 10^4.
 
-    Only where nothing is cut is the estimate's mean its limit. The estimator's own bias is of the order of
-    1 / observations and is allowed for by 5e-4.
+    Only where nothing is cut is the estimate's mean its limit; 5e-4 are for a bias of the order of 1 / observations.
     """
-    world = topology if "\n" in topology else f'"{topology}"'
-    text = STUDY.replace('["ring", "moving"]\ndensity = 10', world).replace("trials = 12", "trials = 40")
-    text = text.replace("rounds = 400\n" if "moving" in topology else "ticks = 2000\n", "")
+    length = "rounds = 400" if topology == '"full"' else "ticks = 2000"
+    text = STUDY.replace("TOPOLOGY", topology).replace("LENGTH", length).replace("trials = 12", "trials = 40")
     text = text.replace('{error = 0}, {error = 0.05}, {error = "N(0, 0.05)"}', "{error = 0}, {error = 0.05}")
     data = sc.run(sc.Study.parse(text.replace("0.95]", "0.4]")), jobs=2)
     sides = {"0.675": (0.675, 0.675), "black=0.9 white=0.7": (0.9, 0.7)}
@@ -303,15 +288,12 @@ def test_swarms_go_where_the_closed_form_says(topology):
 
 
 def test_assumed_accuracies_are_clipped_to_0_and_1():
-    text = STUDY.replace('"moving"', '"full"').replace("density = 10", "").replace("trials = 12", "trials = 1")
-    text = text.replace("ticks = 2000\n", "")
-    accuracy = "accuracy = [0.675, {black = 0.9, white = 0.7}]"
-    assumed = re.search(r"assumed_accuracy = .*", text)[0]
-    assert accuracy in text
+    text = STUDY.replace("TOPOLOGY", '["ring", "full"]').replace("LENGTH", "rounds = 400").replace("= 12", "= 1")
+    accuracy, assumed = (re.search(rf"swarm.{name} = .*", text)[0] for name in ("accuracy", "assumed_accuracy"))
 
     def told(accuracies, beliefs_):
-        changed = text.replace(accuracy, f"accuracy = {accuracies}").replace(assumed, f"assumed_accuracy = {beliefs_}")
-        return costs(sc.run(sc.Study.parse(changed)))
+        changed = text.replace(accuracy, f"swarm.accuracy = {accuracies}")
+        return costs(sc.run(sc.Study.parse(changed.replace(assumed, f"swarm.assumed_accuracy = {beliefs_}"))))
 
     assert {c.error for c in told("0.7", "[0.6, 0.7, {black = 0.8, white = 0.8}]")} == {-0.1, 0.0, 0.1}
     for cost in told("{black = 0.9, white = 0.7}", "{error = 0.2}"):
