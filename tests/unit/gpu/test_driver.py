@@ -46,10 +46,8 @@ class Fake:
 def install(monkeypatch):
     """Put a fake card where the bindings would be."""
     fake = Fake()
-    packages = {name: ModuleType(name) for name in ("cuda", "cuda.bindings")}
-    modules = {"driver": _driver(fake), "nvrtc": _nvrtc(fake)}
-    for name, module in (packages | {f"cuda.bindings.{k}": m for k, m in modules.items()}).items():
-        monkeypatch.setitem(sys.modules, name, module)
+    for module in (ModuleType("cuda"), ModuleType("cuda.bindings"), _driver(fake), _nvrtc(fake)):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
     return fake
 
 
@@ -91,12 +89,11 @@ def _driver(fake):
             return (Code(600),)
         return fake.answer("cuStreamQuery")
 
-    major, minor, shared = "MAJOR", "MINOR", "SHARED"
     kinds = SimpleNamespace(
-        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR=major, CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR=minor,
-        CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN=shared,
-    )  # fmt: skip
-    about = {major: lambda: fake.capability[0], minor: lambda: fake.capability[1], shared: lambda: 232_448}
+        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR=lambda: fake.capability[0],
+        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR=lambda: fake.capability[1],
+        CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN=lambda: 232_448,
+    )
     module = ModuleType("cuda.bindings.driver")
     vars(module).update(
         CUdevice_attribute=kinds,
@@ -105,7 +102,7 @@ def _driver(fake):
         cuDriverGetVersion=lambda: fake.answer("cuDriverGetVersion", fake.version),
         cuDeviceGet=lambda n: fake.answer("cuDeviceGet", n),
         cuDeviceGetName=lambda size, _: fake.answer("cuDeviceGetName", b"Fake 1".ljust(size, b"\0")),
-        cuDeviceGetAttribute=lambda kind, _: fake.answer("cuDeviceGetAttribute", about[kind]()),
+        cuDeviceGetAttribute=lambda about, _: fake.answer("cuDeviceGetAttribute", about()),
         cuDevicePrimaryCtxRetain=lambda _: fake.answer("cuDevicePrimaryCtxRetain", "context"),
         cuCtxSetCurrent=lambda _: fake.answer("cuCtxSetCurrent"),
         cuMemGetInfo=lambda: fake.answer("cuMemGetInfo", fake.free, fake.size),
@@ -133,16 +130,12 @@ def _nvrtc(fake):
 
     module = ModuleType("cuda.bindings.nvrtc")
     vars(module).update(
-        nvrtcVersion=lambda: (0, 13, 0),
-        nvrtcGetSupportedArchs=lambda: (0, [75, 90]),
-        nvrtcCreateProgram=lambda source, *_: (0, source),
+        nvrtcVersion=lambda: (0, 13, 0), nvrtcGetSupportedArchs=lambda: (0, [75, 90]),
+        nvrtcCreateProgram=lambda source, *_: (0, source), nvrtcDestroyProgram=lambda _: (0,),
         nvrtcCompileProgram=lambda *_: fake.answer("nvrtcCompileProgram"),
-        nvrtcGetProgramLogSize=lambda _: (0, len(fake.log) + 1),
-        nvrtcGetProgramLog=write(lambda _: fake.log),
-        nvrtcGetCUBINSize=lambda program: (0, len(code(program))),
-        nvrtcGetCUBIN=write(code),
-        nvrtcDestroyProgram=lambda _: (0,),
-    )
+        nvrtcGetProgramLogSize=lambda _: (0, len(fake.log) + 1), nvrtcGetProgramLog=write(lambda _: fake.log),
+        nvrtcGetCUBINSize=lambda program: (0, len(code(program))), nvrtcGetCUBIN=write(code),
+    )  # fmt: skip
     return module
 
 
@@ -277,9 +270,8 @@ def test_libraries_that_cannot_be_loaded(name, said, card, monkeypatch):
 ])  # fmt: skip
 def test_cards_that_cannot_be_used(state, said, card):
     vars(card).update(state)
-    with pytest.raises(CardError, match=said) as found:
+    with pytest.raises(CardError, match=rf"^.*{said}.*\Z"):  # in one line
         open_driver()
-    assert "\n" not in str(found.value)
 
 
 def test_a_full_card(card):

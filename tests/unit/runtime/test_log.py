@@ -85,10 +85,8 @@ def test_a_log_cut_at_any_byte_keeps_all_whole_ticks(tmp_path):
 
 def test_ticks_that_are_held_are_written_together(tmp_path, monkeypatch):
     """The bytes are those of a log that is written in each tick; what a cut loses is shorter than `hold`."""
-    one, _ = robot(tmp_path / "log", hold=500)
-    each, _ = robot(tmp_path / "each")
-    flushed = []
-    flush = Log.flush
+    (one, _), (each, _) = robot(tmp_path / "log", hold=500), robot(tmp_path / "each")
+    flushed, flush = [], Log.flush
     monkeypatch.setattr(Log, "flush", lambda log, synced=True: (flushed.append(log.path), flush(log, synced)))
     for _ in range(400):
         one.tick()
@@ -122,9 +120,8 @@ def test_after_damage_a_log_goes_on_with_the_next_state(tmp_path, damage):
     for _ in range(9):
         one.tick()
     data = bytearray((tmp_path / "log").read_bytes())
-    if damage == "flip":
-        data[before - 3] ^= 1
-    else:
+    data[before - 3] ^= damage == "flip"
+    if damage == "cut":
         del data[before - 3 : before + 2]
     (tmp_path / "log").write_bytes(data)
     log = read_log(tmp_path / "log")

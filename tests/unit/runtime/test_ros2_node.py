@@ -27,8 +27,7 @@ class Middleware:
     ms = 1_000_000
 
     def __init__(self):
-        self.subscribers, self.timers, self.published, self.stopped, self.depths = {}, [], {}, None, {}
-        self.nodes = []
+        self.subscribers, self.timers, self.published, self.stopped, self.depths, self.nodes = {}, [], {}, None, {}, []
 
     def publish(self, topic, message):
         self.published.setdefault(topic, []).append(message)
@@ -55,8 +54,7 @@ def modules(middleware):
 
     class Node:
         def __init__(self, name, parameter_overrides=()):
-            self.name, self.parameters = name, dict(parameter_overrides)
-            self.topics, self.timers = [], []
+            self.name, self.parameters, self.topics, self.timers = name, dict(parameter_overrides), [], []
             middleware.nodes.append(self)
 
         def declare_parameter(self, name, default):
@@ -102,18 +100,13 @@ def modules(middleware):
     rclpy = types.ModuleType("rclpy")
     rclpy.init, rclpy.spin, rclpy.try_shutdown = lambda: None, spin, lambda: None
     std = {"Bool": Message, "Float32": Float32, "UInt8MultiArray": UInt8MultiArray}
+    space = types.SimpleNamespace
+    best = {"qos_profile_sensor_data": space(depth=5), "ReliabilityPolicy": space(BEST_EFFORT=2)}
     return {
-        "rclpy": rclpy,
-        "rclpy.executors": types.SimpleNamespace(ExternalShutdownException=Stopped),
-        "rclpy.node": types.SimpleNamespace(Node=Node),
-        "rclpy.qos": types.SimpleNamespace(
-            qos_profile_sensor_data=types.SimpleNamespace(depth=5),
-            QoSProfile=types.SimpleNamespace,
-            ReliabilityPolicy=types.SimpleNamespace(BEST_EFFORT=2),
-        ),
-        "std_msgs": types.ModuleType("std_msgs"),
-        "std_msgs.msg": types.SimpleNamespace(**std),
-    }
+        "rclpy": rclpy, "rclpy.executors": space(ExternalShutdownException=Stopped), "rclpy.node": space(Node=Node),
+        "rclpy.qos": space(QoSProfile=space, **best),
+        "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": space(**std),
+    }  # fmt: skip
 
 
 @pytest.fixture
@@ -189,10 +182,8 @@ def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ro
     sys.modules["settings"].SAVE_EVERY = 20
     nodes = [world.node(number) for number in range(ROBOTS)]
     world.run(110)
+    nodes[1].robot.log.held.clear()
     for number in (1, 2):
-        killed = number == 1
-        if killed:
-            nodes[number].robot.log.held.clear()
         nodes[number].destroy_node()
         nodes[number] = world.node(number)
     before = nodes[0].robot.heard

@@ -43,14 +43,11 @@ def partial(many):
     """Trials from 2 on are missing in setting 1, all in setting 2; a trial of setting 4 failed."""
     data = many.copy(deep=True)
     for setting, trials in ((1, slice(2, None)), (2, slice(None)), (4, slice(3, 4))):
-        for name in (
-            "convergence_round", "convergence_error", "final_estimate", "agreement_round", "components", "mean_degree",
-        ):  # fmt: skip
+        for name in ("convergence_round", "convergence_error", "final_estimate", "agreement_round", "components",
+                     "mean_degree", "messages_sent", "messages_heard"):  # fmt: skip
             data[name].values[setting, trials] = np.nan
         for name in ("correct", "disagreement"):
             data[name].values[setting, :, trials] = np.nan
-        for name in ("messages_sent", "messages_heard"):
-            data[name].values[setting, trials] = np.nan
     data.attrs["failed"] = json.dumps([{"setting": 4, "trial": 3, "why": "division by zero"}])
     data.attrs["trials_done"] -= 4 + 6 + 1
     return data
@@ -296,9 +293,7 @@ def test_robots_that_settle_early_and_apart_are_cautioned_of(misjudged, here, ac
     sc.save(data, "s.nc")
     assert f"caution: {says}" in " ".join(accepted("show", "s.nc").out.split())
     note = "K misleads in setting 1: settled early, but far from each other or from f"
-    for draw, options in (
-        (sc.plot.scatter, {}), (sc.plot.heatmap, {}), (sc.plot.lines, {"y": "convergence_round"})
-    ):  # fmt: skip
+    for draw, options in (sc.plot.scatter, {}), (sc.plot.heatmap, {}), (sc.plot.lines, {"y": "convergence_round"}):
         for settings, has in (([0], False), ([0, 1], True)):
             figure = draw(data.isel(setting=settings), **options)
             assert (note in " ".join(sc.plot.caption(figure).split())) == has
