@@ -58,7 +58,6 @@ def test_keys_replace_what_the_file_says(accepted):
 
 
 TWO_PARTS = 'topology={name = "two", edges = [[0, 1], [2, 3], [3, 4]]}'
-EVERYWHERE = "topology=['ring', 'full', 'line', 'scale-free', {networkx = 'cycle_graph'}]"
 ONE_WAY = 'topology={name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
 STAR = 'topology={name = "star", edges = [[0, 1], [0, 2]]}'
 GRID = 'topology={networkx="grid_2d_graph", m=3, n=3}'
