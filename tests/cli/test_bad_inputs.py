@@ -57,16 +57,13 @@ def test_links_too_large_for_a_number(tmp_path):
         rows_of(read_links(tmp_path / "l.csv"), recordings.NUMBERED)
 
 
-@pytest.mark.parametrize(
-    "tables",
-    [
-        {"world": {"body": {"radius": 1e308}}}, {"world": {"body": {"radius": 1e-320}}},
-        {"world": {"body": {"sensor": [float("inf"), 0.0]}}}, {"world": {"body": {"tile": 1e-9, "radio_range": 1e9}}},
-        {"faults": [{"at": 10**30, "robots": 1, "stop": "talking"}]}, {"swarm": {"accuracy": 10**400}},
-        {"swarm": {"accuracy": 2**20000}},
-        {"swarm": {"accuracy": [k / 2000 for k in range(2000)]}, "world": {"fill_ratio": [k / 999 for k in range(999)]}},  # noqa: E501
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize("tables", [
+    {"world": {"body": {"radius": 1e308}}}, {"world": {"body": {"radius": 1e-320}}},
+    {"world": {"body": {"sensor": [float("inf"), 0.0]}}}, {"world": {"body": {"tile": 1e-9, "radio_range": 1e9}}},
+    {"faults": [{"at": 10**30, "robots": 1, "stop": "talking"}]}, {"swarm": {"accuracy": 10**400}},
+    {"swarm": {"accuracy": 2**20000}},
+    {"swarm": {"accuracy": [k / 2000 for k in range(2000)]}, "world": {"fill_ratio": [k / 999 for k in range(999)]}},
+])  # fmt: skip
 def test_numbers_out_of_all_bounds(tables):
     whole = {"swarm": {"robots": 3, "accuracy": 0.8}, "world": MOVING}
     mixed = {k: whole.get(k, {}) | v if isinstance(v, dict) else v for k, v in (whole | tables).items()}
@@ -88,13 +85,10 @@ def test_results_without_an_attribute(name, small_results, tmp_path):
         sc.save(changed, tmp_path / "x.nc")
 
 
-@pytest.mark.parametrize(
-    ("ends", "raised", "said"),
-    [
-        (OSError(28, "No space left on device"), sc.InputError, r"^cannot write .*x\.nc: No space left on device$"),
-        (KeyboardInterrupt(), KeyboardInterrupt, "^$"),
-    ],
-)
+@pytest.mark.parametrize(("ends", "raised", "said"), [
+    (OSError(28, "No space left on device"), sc.InputError, r"^cannot write .*x\.nc: No space left on device$"),
+    (KeyboardInterrupt(), KeyboardInterrupt, "^$"),
+])  # fmt: skip
 def test_a_writer_that_ends_early_leaves_nothing(ends, raised, said, tmp_path):
     def write():
         with files.atomic_write(tmp_path / "x.nc") as temporary:
@@ -107,8 +101,6 @@ def test_a_writer_that_ends_early_leaves_nothing(ends, raised, said, tmp_path):
 
 
 # ---- texts of a hundred kilobytes in place of short ones: refused within the time that a short one takes, or nearly
-
-
 LONG = 100_000
 DIGITS = "1" * LONG
 STUDY = "trials = {1}\n[swarm]\nrobots = 5\n{0}\n[world]\ntopology = 'ring'\nfill_ratio = 0.7\n[schedule]\nrounds = 5\n"
@@ -123,20 +115,16 @@ def soon():
     assert time.process_time() - began < MOST_SECONDS
 
 
-@pytest.mark.parametrize(
-    ("command", "files"),
-    [
-        ("run", {"s.toml": STUDY.format(f"accuracy = '{' ' * LONG}x'", 2)}),
-        ("run", {"s.toml": STUDY.format(f"accuracy = '{DIGITS}x'", 2)}),
-        ("run", {"s.toml": STUDY.format("accuracy = 0.7", f"{{until = '{' ' * LONG}'}}")}),
-        ("run", {"s.toml": STUDY.format("accuracy = 0.7", f"{{until = 'convergence_error median +- {DIGITS}x'}}")}),
-        ("run", {"s.toml": STUDY.format(f"accuracy = 0.7\n[[faults]]\nat = '{DIGITS}x'", 2)}),
-        ("infer --links l.txt", {"o.csv": READINGS, "l.txt": f"time,sender,receiver\n{DIGITS}x,0,1\n"}),
-        ("infer", {"o.csv": f"time,robot,reading\n{DIGITS}x,0,1\n"}),
-        ("infer --links l.txt", {"o.csv": READINGS, "l.txt": f"1 2 {'a{' * LONG}\n"}),
-    ],
-    ids=range(8),
-)
+@pytest.mark.parametrize(("command", "files"), [
+    ("run", {"s.toml": STUDY.format(f"accuracy = '{' ' * LONG}x'", 2)}),
+    ("run", {"s.toml": STUDY.format(f"accuracy = '{DIGITS}x'", 2)}),
+    ("run", {"s.toml": STUDY.format("accuracy = 0.7", f"{{until = '{' ' * LONG}'}}")}),
+    ("run", {"s.toml": STUDY.format("accuracy = 0.7", f"{{until = 'convergence_error median +- {DIGITS}x'}}")}),
+    ("run", {"s.toml": STUDY.format(f"accuracy = 0.7\n[[faults]]\nat = '{DIGITS}x'", 2)}),
+    ("infer --links l.txt", {"o.csv": READINGS, "l.txt": f"time,sender,receiver\n{DIGITS}x,0,1\n"}),
+    ("infer", {"o.csv": f"time,robot,reading\n{DIGITS}x,0,1\n"}),
+    ("infer --links l.txt", {"o.csv": READINGS, "l.txt": f"1 2 {'a{' * LONG}\n"}),
+], ids=range(8))  # fmt: skip
 def test_of_files(command, files, here, refused, soon):
     for name, text in files.items():
         Path(name).write_text(text)

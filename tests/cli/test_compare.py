@@ -82,18 +82,15 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--metric corect", "--metric corect"),
-        ("--margin much", "--margin much: should be a number"),
-        ("--margin 0.1 --margin 0.2", "--margin is given twice for one measure"),
-        ("--where brain=='legacy'", "there is nothing to compare: all settings are of legacy"),
-        ("--by topolgy", "--by topolgy"),
-        ("--by robots", "--by robots"),
-        ("--by topology --pairs", "--pairs does not go with --by"),
-    ],
-)
+@pytest.mark.parametrize(("words", "said"), [
+    ("--metric corect", "--metric corect"),
+    ("--margin much", "--margin much: should be a number"),
+    ("--margin 0.1 --margin 0.2", "--margin is given twice for one measure"),
+    ("--where brain=='legacy'", "there is nothing to compare: all settings are of legacy"),
+    ("--by topolgy", "--by topolgy"),
+    ("--by robots", "--by robots"),
+    ("--by topology --pairs", "--pairs does not go with --by"),
+])  # fmt: skip
 def test_refusals_write_nothing(two, words, said, refused, capsys):
     assert said in refused("compare", two, *words.split())
     assert capsys.readouterr().out == ""
@@ -107,8 +104,6 @@ def test_latex_is_written(two, tmp_path):
 
 
 # ---- what is drawn
-
-
 def texts_of(figure):
     figure.draw_without_rendering()
     return [text.get_text() for text in figure.findobj(mpl.text.Text)]
@@ -144,12 +139,8 @@ def test_the_front_is_of_those_whom_none_beats_in_both():
             value[random.integers(6)] = np.nan
             found = front(cost, value, low)
             for k in range(6):
-                beaten = any(
-                    cost[o] <= cost[k]
-                    and (value[o] <= value[k] if low else value[o] >= value[k])
-                    and (cost[o], value[o]) != (cost[k], value[k])
-                    for o in range(6)
-                )
+                as_good = (cost <= cost[k]) & (value <= value[k] if low else value >= value[k])
+                beaten = (as_good & ((cost != cost[k]) | (value != value[k]))).any()
                 assert found[k] == (not beaten and not np.isnan(value[k]))
     near, far = np.array([2408.1, 2408.3]), np.array([2400.0, 2410.0])  # costs that chance alone tells apart, or not
     assert [front(cost, np.array([0.2, 0.1]), True).tolist() for cost in (near, far)] == [[False, True], [True, True]]

@@ -48,9 +48,7 @@ ODD = st.sampled_from(
 )  # fmt: skip
 TEXT = st.text(max_size=12)
 SCALAR = ODD | st.integers() | st.floats() | TEXT | st.booleans() | st.dates() | st.datetimes()
-ANY = st.recursive(
-    SCALAR, lambda v: st.lists(v, max_size=3) | st.dictionaries(TEXT, v, max_size=3), max_leaves=6
-)  # fmt: skip
+ANY = st.recursive(SCALAR, lambda v: st.lists(v, max_size=3) | st.dictionaries(TEXT, v, max_size=3), max_leaves=6)
 
 
 # what means something at some key of a study, and is mostly wrong at another one
@@ -170,9 +168,7 @@ def folder():
             os.chdir(before)
 
 
-# ---------------------------------------------------------------------------------------------- study files
-
-
+# ---- study files
 def _prints(study):
     return [addresses.fingerprint(setting, study.seed) for setting in study.settings()]
 
@@ -209,10 +205,8 @@ def test_spoiled_study_files(text):
 def test_tiny_studies_live_their_whole_life(number, brain):
     with folder() as here:
         (here / "s.toml").write_text(drawn(np.random.default_rng(number), brain, ("shouter",), longest=5).text)
-        assert command("run", "s.toml", "--jobs", 1) == 0
-        assert command("status", "s.nc") == 0
-        assert command("verify", "s.nc", "--all", "--jobs", 1) == 0
-        assert command("export", "s.nc") == 0
+        assert command("run", "s.toml", "--jobs", 1) == command("status", "s.nc") == 0
+        assert command("verify", "s.nc", "--all", "--jobs", 1) == command("export", "s.nc") == 0
         assert command("replay", "s.nc", "--setting", 0, "--trial", 0, "--out", "t.nc") == 0
         assert command("merge", "s.nc", "s.nc", "--out", "m.nc") == 0
         one, both = sc.load("s.nc"), sc.load("m.nc")
@@ -221,8 +215,7 @@ def test_tiny_studies_live_their_whole_life(number, brain):
         assert sorted(p.name for p in here.iterdir()) == ["m.nc", "s.csv", "s.nc", "s.toml", "t.nc"]
 
 
-# --------------------------------------------------------------------------------------------------- brains
-
+# ---- brains
 LEAVES = st.sampled_from(
     ["0", "1.5", "10", "9**9", "'a'", "None", "...", "x", "me", "math", "math.pi", "canary", "b'x'", "1j", "1e400",
      "me.t", "message[0]", "()", "[]", "{}", "0x" + "f" * 5000]
@@ -230,18 +223,13 @@ LEAVES = st.sampled_from(
 BINARY = ["+", "-", "*", "/", "//", "%", "**", "<<", ">>", "@", "&", "and", "or", "<", "==", "in", "is"]
 UNARY = ["-", "+", "~", "not ", "*", "lambda: ", "await ", "yield "]
 CALLED = ["canary", "math.exp", "min", "open", "x", "range", "__import__"]
-EXPRESSION = st.recursive(
-    LEAVES,
-    lambda e: st.one_of(
-        st.builds("({} {} {})".format, e, st.sampled_from(BINARY), e),
-        st.builds("({}{})".format, st.sampled_from(UNARY), e),
-        st.builds("{}({})".format, st.sampled_from(CALLED), e),
-        *(st.builds(form.format, e, e) for form in ("({}, {})", "{{{}: {}}}", "[{} for x in {}]", "{}[{}]")),
-        st.builds("({} if {} else {})".format, e, e, e),
-        st.builds("(x := {})".format, e),
-    ),
-    max_leaves=6,
-)
+EXPRESSION = st.recursive(LEAVES, lambda e: st.one_of(
+    st.builds("({} {} {})".format, e, st.sampled_from(BINARY), e),
+    st.builds("({}{})".format, st.sampled_from(UNARY), e),
+    st.builds("{}({})".format, st.sampled_from(CALLED), e),
+    *(st.builds(form.format, e, e) for form in ("({}, {})", "{{{}: {}}}", "[{} for x in {}]", "{}[{}]")),
+    st.builds("({} if {} else {})".format, e, e, e), st.builds("(x := {})".format, e),
+), max_leaves=6)  # fmt: skip
 FORMS = [
     "{name} = {one}", "def {function}({given}):\n    return {one}", "def f(x={one}):\n    pass",
     "def f(x: {one}) -> {two}:\n    pass", "def f(me):\n    while True:\n        x = {one}",
@@ -289,13 +277,10 @@ def test_spoiled_brains(canary, source):
 @example(["X = " + "-" * 50_000 + "1"], False)
 @example(["X = " + "1+" * 50_000 + "1"], False)
 def test_random_brains(canary, lines, before):
-    parts = [*lines, BRAIN] if before else [BRAIN, *lines]
-    _read_brain("\n".join(parts), canary)
+    _read_brain("\n".join([*lines, BRAIN] if before else [BRAIN, *lines]), canary)
 
 
-# -------------------------------------------------------------------------------------------------- results
-
-
+# ---- results
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     """A folder with a small study, its results, and a shard of it; all that a run can leave."""
@@ -346,9 +331,6 @@ def _use_all(small, path, kind):
         _use(path)
 
 
-KIND = st.sampled_from([0, 1, 2, 3] + [5] * 8)
-
-
 @fuzz(60, st.data())
 def test_results_with_bytes_changed(small, data):
     whole = (small / "s.nc").read_bytes()
@@ -359,7 +341,7 @@ def test_results_with_bytes_changed(small, data):
         del spoilt[data.draw(st.integers(0, len(whole))) :]
     with folder() as here:
         (here / "x.nc").write_bytes(spoilt)
-        _use_all(small, here / "x.nc", data.draw(KIND))
+        _use_all(small, here / "x.nc", data.draw(st.sampled_from([0, 1, 2, 3] + [5] * 8)))
 
 
 @fuzz(40, st.data())
@@ -395,8 +377,7 @@ def test_shards_changed(small, data):
             assert sc.load("cut.nc")["final_estimate"].shape == (8, 2, 3)
 
 
-# ------------------------------------------------------------------------------------- expressions and recordings
-
+# ---- expressions and recordings
 WORDS = st.sampled_from(
     ["robots", "topology", "accuracy", "fill_ratio", "brain", "setting", "==", "!=", "<", ">=", "in", "not", "and", "or",  # noqa: E501
      "(", ")", "[", "]", ",", "'ring'", '"', "3", "0.7", "-1", "1e999", "None", "True", "canary()", "__import__('os')",
@@ -416,9 +397,8 @@ CELL = st.sampled_from(
     ["0", "1", "", "nan", "2", "-1", "0.5", " 1", "1.0", "x", "b", "w", "inf", "9" * 30, "9" * 5000, '"', "²", "\x00",
      "True", "0,5", "#", "{}", "step", "i", "j", "robot", "robot 0", "r1", "weight", "value", "\r"]
 )  # fmt: skip
-ROWS = st.integers(1, 3).flatmap(
-    lambda wide: st.lists(st.lists(CELL, min_size=wide, max_size=wide), max_size=5)
-) | st.lists(st.lists(CELL, max_size=4), max_size=5)
+ROWS = st.integers(1, 3).flatmap(lambda wide: st.lists(st.lists(CELL, min_size=wide, max_size=wide), max_size=5))
+ROWS |= st.lists(st.lists(CELL, max_size=4), max_size=5)
 CSV = st.builds(lambda rows, between: "\n".join(map(between.join, rows)), ROWS, st.sampled_from([",", ";", "\t", " "]))
 
 

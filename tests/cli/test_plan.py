@@ -11,9 +11,8 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 
 WORLD = '[world]\ntopology = "ring"\nfill_ratio = 0.55\n'
-RING = (
-    '[swarm]\nrobots = 10\naccuracy = 0.8\nbrain = ["commons", "minimalistic"]\n' + WORLD + "[wanted]\nerror = 0.05\n"
-)
+SWARM = '[swarm]\nrobots = 10\naccuracy = 0.8\nbrain = ["commons", "minimalistic"]\n'
+RING = SWARM + WORLD + "[wanted]\nerror = 0.05\n"
 YARD = {"side": 3, "accuracy": 0.8, "error": 0.05, "robots": 5}
 
 
@@ -38,8 +37,7 @@ def test_plan_prints_and_writes(accepted):
     assert all(f" {column}: " in printed.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
     assert re.search(r"^p.toml: .*\np.svg: ", printed.out, re.MULTILINE)
     assert "swarmcensus run p.toml" in printed.out + printed.err
-    planned = tomllib.loads(Path("p.toml").read_text())
-    assert planned["swarm"]["robots"] in (5, 7, 10, 14, 20)
+    assert tomllib.loads(Path("p.toml").read_text())["swarm"]["robots"] in (5, 7, 10, 14, 20)
     assert "<svg" in Path("p.svg").read_text()[:500]
     assert "reached" in accepted("run", "p.toml", "--trials", "6").out
 
@@ -49,9 +47,8 @@ def test_keys_replace_what_the_file_says(accepted):
     changed = keys("right=majority", "brain=voter", "minutes=9")
     Path("m.toml").write_text(Path("m.toml").read_text().replace("error = 0.05", ""))
     out = accepted("plan", "m.toml", *changed).out
-    assert "in the right half" in out
-    assert "whether these are enough; wanted: " in out
-    assert "voter " in out
+    for said in ("in the right half", "whether these are enough; wanted: ", "voter "):
+        assert said in out
     assert "commons" not in out
     usual = YARD | {"side": 1, "trials": 40}
     body = keys("body={speed=0.2}", "fill_ratio={worst=[0.5, 0.6]}", **usual)
@@ -61,7 +58,6 @@ def test_keys_replace_what_the_file_says(accepted):
 
 
 TWO_PARTS = 'topology={name = "two", edges = [[0, 1], [2, 3], [3, 4]]}'
-EVERYWHERE = "topology=['ring', 'full', 'line', 'scale-free', {networkx = 'cycle_graph'}]"
 ONE_WAY = 'topology={name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
 STAR = 'topology={name = "star", edges = [[0, 1], [0, 2]]}'
 GRID = 'topology={networkx="grid_2d_graph", m=3, n=3}'
@@ -70,16 +66,13 @@ GOAL = {"accuracy": 0.9, "error": 0.1, "fill_ratio": 0.5, "brain": "commons", "t
 LIARS = "members=[{robots = %s, brain = %s, honest = false}]"
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (("[world]", "[world"), "study file m.toml: not TOML"),
-        (("error = 0.05", ""), "wanted: should have an error"),
-        (("error = 0.05", 'error = 0.05\nright = "majority"'), "and not both"),
-        ((RING[RING.index("[wanted]") :], "[other]\nerror = 0.1\n"), "unknown key other"),
-        ((WORLD, "world = 3\n"), "unknown key swarm.world"),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    (("[world]", "[world"), "study file m.toml: not TOML"),
+    (("error = 0.05", ""), "wanted: should have an error"),
+    (("error = 0.05", 'error = 0.05\nright = "majority"'), "and not both"),
+    ((RING[RING.index("[wanted]") :], "[other]\nerror = 0.1\n"), "unknown key other"),
+    ((WORLD, "world = 3\n"), "unknown key swarm.world"),
+])  # fmt: skip
 def test_faults_of_files(change, said, here, refused):
     (here / "m.toml").write_text(RING.replace(*change))
     assert said in refused("plan", "m.toml", "--out", "p.toml")
@@ -110,20 +103,13 @@ OF_A_FILE = [
 ]
 OF_A_YARD = [
     (["side=-4"], "world.side = -4: should be greater than 0"),
-    (["side=1e9"], "tiles"),
-    (["side=0.1"], "side"),
-    (["robots=500"], "500 robots"),
+    (["side=1e9"], "tiles"), (["side=0.1"], "side"), (["robots=500"], "500 robots"),
     (["side=1", "error=0.004", "truth=nominal"], "have a share of black of their own"),
     (["density=5"], "world.density and world.side both say how large"),
     (["right=10", "fill_ratio={worst=[0.2,0.4]}", "error=0.1"], "not both"),
-]
-OF_A_GOAL = [
-    ([STAR], "say how many robots there are"),
-    (["topology=pairs.csv"], "say how many robots there are"),
-    ([STAR, "robots=2"], "topology"),
-    ([GRID], "say how many robots there are"),
-    ([NO_PAIRS], "is not connected: it has "),
-]
+]  # fmt: skip
+OF_A_GOAL = [([STAR, "robots=2"], "topology"), ([NO_PAIRS], "is not connected: it has ")]
+OF_A_GOAL += [([one], "say how many robots there are") for one in (STAR, "topology=pairs.csv", GRID)]
 FAULTS = [(["m.toml"], {}, *row) for row in OF_A_FILE] + [([], YARD, *row) for row in OF_A_YARD]
 
 
@@ -133,14 +119,11 @@ def test_faults_of_keys_write_nothing(file, usual, values, said, here, refused):
     assert said in refused("plan", *file, *keys(*values, **usual), "--out", "p.toml")
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--out", "m.toml"], "cannot write m.toml: it is an input"),
-        (["--out", "p.json"], "p.json"),
-        (["--out", "other/p.toml", *keys("brain=mine.py")], "paths in it are relative to its folder"),
-    ],
-)
+@pytest.mark.parametrize(("words", "said"), [
+    (["--out", "m.toml"], "cannot write m.toml: it is an input"),
+    (["--out", "p.json"], "p.json"),
+    (["--out", "other/p.toml", *keys("brain=mine.py")], "paths in it are relative to its folder"),
+])  # fmt: skip
 def test_faults_of_files_to_write(words, said, here, refused):
     (here / "mine.py").write_text(brains.load("minimalistic").source)
     assert said in refused("plan", "m.toml", *words)
@@ -171,11 +154,9 @@ def test_a_density_replaces_the_side_of_a_file(accepted):
     swarm = '[swarm]\nrobots = 4\naccuracy = {worst = [0.85, 0.9]}\nbrain = "commons"\n'
     Path("yard.toml").write_text(f"trials = 40\n{swarm}[world]\nside = 3\n[wanted]\nerror = 0.1\nminutes = 0.5\n")
     out = " ".join(accepted("plan", "yard.toml", *keys("density=[3, 6]", LIARS % (0.25, '"shouter"'))).out.split())
-    assert "accuracy 0.85, the worst of 0.85, 0.9" in out
-    assert "brain density robots side, m minutes" in out
-    assert "commons 3.0 4 1.43 0.500" in out
-    assert "commons 6.0 4 1.01 0.500" in out
-    assert "at once, and nobody lied" in out
+    for said in ("accuracy 0.85, the worst of 0.85, 0.9", "brain density robots side, m minutes",
+                 "commons 3.0 4 1.43 0.500", "commons 6.0 4 1.01 0.500", "at once, and nobody lied"):  # fmt: skip
+        assert said in out
 
 
 def test_ctrl_c_ends_it_in_a_sentence_and_writes_nothing(monkeypatch, capsys):

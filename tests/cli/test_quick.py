@@ -15,19 +15,16 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine import codegen, compiler, python_errors
 from swarmcensus.engine.constants import BLOCK, PHASES
 from swarmcensus.simulation.trials import Metrics, run_batch
-from tests.support.small import GO, SEED, settings_of
+from tests.support.small import GO, SEED, settings_of, study_of
 from tests.support.trials import record_trial
 
 
 def python(code, *words, **more):
-    return subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(code), *words], capture_output=True, text=True, check=False, **more
-    )
+    words = [sys.executable, "-c", textwrap.dedent(code), *words]
+    return subprocess.run(words, capture_output=True, text=True, check=False, **more)
 
 
 HEAVY = {"numba", "xarray", "pandas", "matplotlib", "networkx", "h5py", "scipy", "jinja2"}
-
-
 USES = [  # and what each needs no more than those before it
     ("main(['--help'])", HEAVY | {"numpy", "pydantic"}),
     ("main(['plot', '--help'])", HEAVY | {"numpy", "pydantic"}),
@@ -69,7 +66,6 @@ def test_program_runs_exit_handlers_and_joins_threads():
 
 
 # ---- what a brain's machine code depends on
-
 SOURCE = brains.load("minimalistic").source
 
 
@@ -77,15 +73,12 @@ def brain_of(source):
     return brains.parse(source, "mine", brains.load("minimalistic").path)
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        SOURCE + "\n# more\n",
-        SOURCE.replace('"""The informed estimate."""', '"""What it thinks."""'),
-        SOURCE.replace("    return me.x\n", "\n\n    return (me.x)  # so\n"),
-        SOURCE.replace('"x": 0.5', '"x": 0.25'),
-    ],
-)
+@pytest.mark.parametrize("other", [
+    SOURCE + "\n# more\n",
+    SOURCE.replace('"""The informed estimate."""', '"""What it thinks."""'),
+    SOURCE.replace("    return me.x\n", "\n\n    return (me.x)  # so\n"),
+    SOURCE.replace('"x": 0.5', '"x": 0.25'),
+])  # fmt: skip
 def test_brains_that_differ_in_words_alone_share_machine_code(other):
     assert other != SOURCE
     assert codegen.essence(other) == codegen.essence(SOURCE)
@@ -93,14 +86,11 @@ def test_brains_that_differ_in_words_alone_share_machine_code(other):
     assert compiler.compile_brain(brain_of(other)).tolist() == compiler.compile_brain(brain_of(SOURCE)).tolist()
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        SOURCE.replace("1e-12", "1e-11"),
-        SOURCE.replace('"heard", "heard_alpha"', '"heard_alpha", "heard"'),
-        SOURCE.replace('"beta": 0.0', '"beta_": 0.0').replace("me.beta", "me.beta_"),
-    ],
-)
+@pytest.mark.parametrize("other", [
+    SOURCE.replace("1e-12", "1e-11"),
+    SOURCE.replace('"heard", "heard_alpha"', '"heard_alpha", "heard"'),
+    SOURCE.replace('"beta": 0.0', '"beta_": 0.0').replace("me.beta", "me.beta_"),
+])  # fmt: skip
 def test_brains_that_differ_otherwise_do_not(other):
     assert compiler._brain_files(brain_of(other)) != compiler._brain_files(brain_of(SOURCE))
 
@@ -131,19 +121,15 @@ def test_only_what_a_use_calls_is_compiled(use):
     brain = brains.load("minimalistic")
     there = {name for name, where in zip(PHASES, compiler.compile_brain(brain, use), strict=True) if where}
     assert there == compiler.needs(brain, use)
-    assert ("hear_all" in there) == (use == "network")
-    assert ("hear_sums" in there) == (use in ("network", "moving"))
-    assert ("go_alone" in there) == (use == "alone")
-    assert "ask" not in there  # it does not steer
+    uses = {"hear_all": ("network",), "hear_sums": ("network", "moving"), "go_alone": ("alone",), "ask": ()}
+    assert {phase for phase in uses if phase in there} == {phase for phase, where in uses.items() if use in where}
 
 
 FAILS_IN = {
-    "observe": "me.x = 1.0 / (me.t - me.t)",
-    "broadcast": "return 1.0 / (me.t - me.t), 0.0",
-    "receive": "me.heard += 1.0 / (me.t - me.t)",
-    "fuse": "me.x = 1.0 / (me.t - me.t)",
+    "observe": "me.x = 1.0 / (me.t - me.t)", "broadcast": "return 1.0 / (me.t - me.t), 0.0",
+    "receive": "me.heard += 1.0 / (me.t - me.t)", "fuse": "me.x = 1.0 / (me.t - me.t)",
     "estimate": "return 1.0 / (me.t - me.t)",
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("function", FAILS_IN)
@@ -185,28 +171,21 @@ def test_large_full_networks_add_messages_in_blocks(robots):
     (setting,) = settings_of(robots=robots, rounds=3, looks=10, topology="full", accuracy="U(0.6, 0.9)")
     states, _, _ = record_trial(setting, SEED, 1)
     for k in (1, 3):
-        alpha, x_hat = states["alpha"][k], states["x_hat"][k]
-        beta = sums_of_others(alpha)
+        beta = sums_of_others(states["alpha"][k])
         assert np.array_equal(states["beta"][k], beta)
-        assert np.array_equal(states["x_bar"][k], sums_of_others(alpha * x_hat) / beta)
-    batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
-    assert np.array_equal(batch.final[0], states["x"][3])
+        assert np.array_equal(states["x_bar"][k], sums_of_others(states["alpha"][k] * states["x_hat"][k]) / beta)
+    assert np.array_equal(run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO).final[0], states["x"][3])
 
 
 @pytest.mark.long(but_every=2)
-@pytest.mark.parametrize(
-    ("sound", "broken", "where"),
-    [("return me.x_hat, me.alpha", "return me.x", ""), ("me.heard += 1.0", "me.heard += 'one'", ", at mine.py, line")],
-)
+@pytest.mark.parametrize(("sound", "broken", "where"), [
+    ("return me.x_hat, me.alpha", "return me.x", ""), ("me.heard += 1.0", "me.heard += 'one'", ", at mine.py, line"),
+])  # fmt: skip
 def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, where, here, capsys):
     assert SOURCE.count(sound) == 1
     (here / "mine.py").write_text(SOURCE.replace(sound, broken))
-    for world in ('topology = "ring"', 'topology = "moving"\ndensity = 1.0'):
-        ticks = "ticks" if "moving" in world else "rounds"
-        (here / "s.toml").write_text(
-            f'trials = 1\n[swarm]\nrobots = 3\nbrain = "mine.py"\naccuracy = 0.7\n[world]\n{world}\n'
-            f"fill_ratio = 0.5\n[schedule]\n{ticks} = 3\n"
-        )
+    for more in ({"rounds": 3}, {"ticks": 3, "density": 1.0}):
+        (here / "s.toml").write_text(study_of("mine.py", robots=3, trials=1, fill_ratio=0.5, **more).text)
         assert main(["run", "s.toml"]) == 2
         said = capsys.readouterr().err.splitlines()[-1]
         assert "brain 'mine.py' fails in trial 0" in said
@@ -214,8 +193,6 @@ def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, whe
 
 
 # ---- work in a copy of the process
-
-
 def test_background_work_returns_its_result():
     """Nor is a copy made in a worker of somebody's pool, beside other threads, or where the system refuses one."""
     code = """

@@ -104,8 +104,6 @@ def test_of_commands(line, here, refused, small_file):
 
 
 # ---- messages call options as whoever asks would write them: `--against swift` in a shell, `against='swift'` in Python
-
-
 def test_an_option_is_written_as_it_would_be_given():
     told = [option("against", "swift"), option("out"), option("fresh", True)]
     assert told == ["against='swift'", "out=", "fresh=True"]
@@ -118,17 +116,14 @@ def test_an_option_is_written_as_it_would_be_given():
     assert option("out") == "out="
 
 
-@pytest.mark.parametrize(
-    ("ask", "said"),
-    [
-        (lambda data: sc.plot.compare(data, against="swit"), "against='swit': "),
-        (lambda data: sc.compare(data, against="swit"), "against='swit': "),
-        (lambda data: sc.compare(data, metric="rubbish"), "metric='rubbish': "),
-        (lambda data: sc.compare(data, where="robots = 3"), "where='robots = 3': "),
-        (lambda data: sc.plot.ranks(data, metric="final_error:up"), "metric='final_error:up': "),
-        (lambda data: sc.plot.compare(data, rows="colour"), "rows='colour': "),
-    ],
-)
+@pytest.mark.parametrize(("ask", "said"), [
+    (lambda data: sc.plot.compare(data, against="swit"), "against='swit': "),
+    (lambda data: sc.compare(data, against="swit"), "against='swit': "),
+    (lambda data: sc.compare(data, metric="rubbish"), "metric='rubbish': "),
+    (lambda data: sc.compare(data, where="robots = 3"), "where='robots = 3': "),
+    (lambda data: sc.plot.ranks(data, metric="final_error:up"), "metric='final_error:up': "),
+    (lambda data: sc.plot.compare(data, rows="colour"), "rows='colour': "),
+])  # fmt: skip
 def test_python_reads_of_its_arguments(ask, said):
     with pytest.raises(sc.InputError) as caught:
         ask(made_up())

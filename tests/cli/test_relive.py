@@ -23,8 +23,7 @@ def recording(tmp_path_factory):
 
 
 def test_the_verdict_and_a_row_per_brain_are_printed(recording, accepted):
-    said = accepted("relive", recording).out
-    assert "4 of 4 robots lived again to the bit, 120 of 120 ticks" in said
+    assert "4 of 4 robots lived again to the bit, 120 of 120 ticks" in accepted("relive", recording).out
     [row] = json.loads(accepted("relive", recording, "--json").out)["rows"]
     assert (row["brain"], row["sent"], 0 < row["heard"] < 240) == ("commons", 120, True)
     ends = record_trial(setting_of(robots=4, rounds=30)[1], SEED, 0)[1][-1]
@@ -63,18 +62,15 @@ def test_a_folder_from_boards_needs_no_more_than_logs(recording, tmp_path, accep
     assert "mean error" in accepted("relive", tmp_path, "--fill-ratio", 0.6).out
 
 
-@pytest.mark.parametrize(
-    ("given", "says"),
-    [
-        ("nowhere", "nowhere: should be a folder of robots' logs"),
-        ("EMPTY", "it holds no log"),
-        ("DAY --fill-ratio 2", "--fill-ratio 2"),
-        ("DAY --trace r.txt", "--trace r.txt: "),
-        ("BLANK", "robot-0.log: the file is empty, and should be a robot's log"),
-        ("BAD", "swarm.json: robots[0] = 3: should be a table"),
-        ("AWAY", "should be the name of a file in the folder"),
-    ],
-)
+@pytest.mark.parametrize(("given", "says"), [
+    ("nowhere", "nowhere: should be a folder of robots' logs"),
+    ("EMPTY", "it holds no log"),
+    ("DAY --fill-ratio 2", "--fill-ratio 2"),
+    ("DAY --trace r.txt", "--trace r.txt: "),
+    ("BLANK", "robot-0.log: the file is empty, and should be a robot's log"),
+    ("BAD", "swarm.json: robots[0] = 3: should be a table"),
+    ("AWAY", "should be the name of a file in the folder"),
+])  # fmt: skip
 def test_wrong_inputs_are_named_in_a_sentence(recording, here, refused, given, says):
     files = {
         "EMPTY/none": "", "BLANK/robot-0.log": "", "BAD/swarm.json": '{"format": 1, "robots": [3]}',

@@ -49,9 +49,8 @@ def test_help_has_a_line_for_each_command(monkeypatch, capsys):
 def test_help_has_the_words_of_errors_and_fits_a_page(monkeypatch, capsys, accepted, refused):
     monkeypatch.setenv("COLUMNS", "80")
     assert main(["reproduce", "--help"]) == 0
-    assert re.match(
-        r"Usage: swarmcensus reproduce \[WHAT\] \[OPTIONS\]\n.*\n  WHAT  ", capsys.readouterr().out, re.DOTALL
-    )
+    usage = r"Usage: swarmcensus reproduce \[WHAT\] \[OPTIONS\]\n.*\n  WHAT  "
+    assert re.match(usage, capsys.readouterr().out, re.DOTALL)
     assert "RESULTS.nc is missing" in refused("show")
     assert len(accepted("plan", "--help").out.splitlines()) <= 55
 
@@ -106,16 +105,13 @@ def test_columns_that_say_nothing_are_left_out():
 
 def test_what_was_asked_for_and_what_tells_rows_apart_stay_longest():
     columns = [
-        Column("name", ["a"], number=False),
-        Column("K", ["1"], rank=REST),
+        Column("name", ["a"], number=False), Column("K", ["1"], rank=REST),
         Column("error", ["3"], rank=ASKED, intervals=["[1, 4]"]),
         Column("right", ["2"], rank=REST, intervals=["[1, 3]"]),
-    ]
-    assert printed(columns, 60) == "name K error [95 %] right [95 %]"
-    assert printed(columns, 32) == "name K error [95 %] right"
-    assert printed(columns, 24) == "name K error [95 %]"
-    assert printed(columns, 20) == "name error [95 %]"
-    assert printed(columns, 12) == "name error"
+    ]  # fmt: skip
+    for width, heads in ((60, "name K error [95 %] right [95 %]"), (32, "name K error [95 %] right"),
+                         (24, "name K error [95 %]"), (20, "name error [95 %]"), (12, "name error")):  # fmt: skip
+        assert printed(columns, width) == heads
     rows = [{"first value": 0.12345678, "second": 123.456, "what": "a long text " * 4}]
     for width, shown in ((80, ["0.1235", "123.5", "a"]), (25, ["0.1235", "123.5"]), (10, ["0.1235"])):
         out = io.StringIO()
@@ -134,8 +130,7 @@ def test_a_stop_is_no_defect(raised, here, monkeypatch, capsys):
     """A library that is imported may turn Ctrl-C into another exception."""
     monkeypatch.setattr(STOPPING, "is_set", lambda: True)
     monkeypatch.setattr("swarmcensus.cli.app.app", lambda: exec("raise raised", {"raised": raised}))
-    assert main(["doctor"]) == STOPPED
-    assert capsys.readouterr().err == "swarmcensus: stopped\n"
+    assert (main(["doctor"]), capsys.readouterr().err) == (STOPPED, "swarmcensus: stopped\n")
 
 
 def test_an_optional_argument_may_stand_behind_options(here, refused):
@@ -145,8 +140,6 @@ def test_an_optional_argument_may_stand_behind_options(here, refused):
 
 
 # ---- how much commands say: one JSON document, nothing but answers, or all that goes on
-
-
 STUDY = """
 name = "two"
 trials = 6
@@ -154,10 +147,7 @@ swarm = {robots = [6, 9], accuracy = 0.8, brain = ["minimalistic", "commons"]}
 world = {topology = "ring", fill_ratio = 0.55}
 schedule = {rounds = 30, observations_per_round = 5}
 """
-PLAN = (
-    "plan --set robots=9 --set topology=ring --set accuracy=0.8 --set error=0.1 --set fill_ratio=0.5 --trials 50 "
-    "--set brain=minimalistic"
-)
+PLAN = "plan --set robots=9 --set topology=ring --set accuracy=0.8 --set error=0.1 --set fill_ratio=0.5 --trials 50 "
 
 
 @pytest.fixture(scope="module")
@@ -174,8 +164,7 @@ def said(results, monkeypatch, capsys):
     monkeypatch.chdir(results)
 
     def said(line):
-        code = main(line.split())
-        return code, *capsys.readouterr()
+        return main(line.split()), *capsys.readouterr()
 
     return said
 
@@ -196,10 +185,8 @@ def both(said):
 
 
 def test_numbers_that_json_lacks_are_words():
-    assert json_value({"a": np.array([np.inf, -np.inf, np.nan, -2.0]), "b": -np.inf}) == {
-        "a": ["infinity", "-infinity", None, -2.0],
-        "b": "-infinity",
-    }
+    words = {"a": ["infinity", "-infinity", None, -2.0], "b": "-infinity"}
+    assert json_value({"a": np.array([np.inf, -np.inf, np.nan, -2.0]), "b": -np.inf}) == words
 
 
 def test_run_and_show_tell_the_same_summary(both):
@@ -244,11 +231,9 @@ def test_a_comparison(both):
 @pytest.mark.parametrize("command", ["list", "list brains", "list studies"])
 def test_lists(command, both):
     found, table = both(command)
-    rows = found["rows"]
-    assert len(rows) > 30
-    words = table.split()
-    assert all(row["name"] in words for row in rows)
-    for row in rows:
+    assert len(found["rows"]) > 30
+    assert {row["name"] for row in found["rows"]} <= {*table.split()}
+    for row in found["rows"]:
         if "memory_bytes" in row:
             assert re.search(rf"^{row['name']}\s+{row['memory_bytes']:,}\s+{row['message_bytes']:,}\s", table, re.M)
 
@@ -259,7 +244,7 @@ def test_quiet_says_nothing_but_answers_and_errors(said, tmp_path):
     Path("edge.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
     assert "warning: " in said("run edge.toml")[2]
     for line, answer in (
-        ("verify two.nc", "24 trials run again"), (PLAN, "mission: the shortest time"),
+        ("verify two.nc", "24 trials run again"), (f"{PLAN} --set brain=minimalistic", "mission: the shortest time"),
         ("run edge.toml --fresh", "final error"),
     ):  # fmt: skip
         code, out, error = said(f"{line} -q")
@@ -301,15 +286,10 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a shell of POSIX closes them, and has /dev/full")
-@pytest.mark.parametrize(
-    ("words", "code", "said"),
-    [
-        ("list studies >&-", 0, ""),
-        ("show none.nc 2>&-", 2, ""),
-        ("list studies >&- 2>&-", 0, ""),
-        ("list studies > /dev/full", 2, "swarmcensus: No space left on device\n"),
-    ],
-)
+@pytest.mark.parametrize(("words", "code", "said"), [
+    ("list studies >&-", 0, ""), ("show none.nc 2>&-", 2, ""), ("list studies >&- 2>&-", 0, ""),
+    ("list studies > /dev/full", 2, "swarmcensus: No space left on device\n"),
+])  # fmt: skip
 def test_streams_that_are_closed_or_full_have_an_exit_code(words, code, said, results):
     line = f"{sys.executable} -m swarmcensus {words}"
     done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)

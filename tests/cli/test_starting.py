@@ -42,8 +42,7 @@ def test_what_a_new_study_has_in_comments_is_right_too(here):
 
 def test_a_new_brain_keeps_the_contract(here, accepted):
     assert accepted("new", "brain") == ("my_brain.py\n", "next: swarmcensus brains --check my_brain.py\n")
-    found = list(examine(load(here / "my_brain.py"), PROMISES))
-    assert [one.fault for one in found] == [None] * len(PROMISES)
+    assert [one.fault for one in list(examine(load(here / "my_brain.py"), PROMISES))] == [None] * len(PROMISES)
     assert "THIS_FILE" not in (here / "my_brain.py").read_text()
 
 

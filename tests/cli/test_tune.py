@@ -54,26 +54,23 @@ def test_it_writes_a_fragment_a_log_and_results(here, accepted):
     assert Path("tunable-tuned.toml").read_bytes() == before
 
 
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
-        ("--parameter b=0:1", "--parameter b=0"),
-        ("--parameter idl=0:1", "did you mean 'idle'?"),
-        ("--parameter a=1:0", "--parameter a=1"),
-        ("--parameter a=0:1:log", "both ends should be above 0"),
-        ("--parameter many=0:1.5:whole", "both ends should be whole"),
-        ("--parameter a=0:1 --parameter a=0:2", "a is given twice"),
-        ("--parameter pair=0:1 --parameter pair[1]=0:2", "pair[1] is given twice"),
-        ("--parameter a[0]=0:1", "there is no 'a[0]'"),
-        ("--brain minimalistic", "--brain minimalistic"),
-        ("--metric finalerror", "--metric finalerror"),
-        ("--metric right_consensus_round", "no variable consensus_round and no consensus_right"),
-        ("--metric correct:low", "of correct, high is better"),
-        ("--budget 5", "--budget 5"),
-        ("--trials 1000000", "--trials 1000000"),
-        ("--out s.toml", "cannot write s.toml: it is an input"),
-    ],
-)
+@pytest.mark.parametrize(("changed", "said"), [
+    ("--parameter b=0:1", "--parameter b=0"),
+    ("--parameter idl=0:1", "did you mean 'idle'?"),
+    ("--parameter a=1:0", "--parameter a=1"),
+    ("--parameter a=0:1:log", "both ends should be above 0"),
+    ("--parameter many=0:1.5:whole", "both ends should be whole"),
+    ("--parameter a=0:1 --parameter a=0:2", "a is given twice"),
+    ("--parameter pair=0:1 --parameter pair[1]=0:2", "pair[1] is given twice"),
+    ("--parameter a[0]=0:1", "there is no 'a[0]'"),
+    ("--brain minimalistic", "--brain minimalistic"),
+    ("--metric finalerror", "--metric finalerror"),
+    ("--metric right_consensus_round", "no variable consensus_round and no consensus_right"),
+    ("--metric correct:low", "of correct, high is better"),
+    ("--budget 5", "--budget 5"),
+    ("--trials 1000000", "--trials 1000000"),
+    ("--out s.toml", "cannot write s.toml: it is an input"),
+])  # fmt: skip
 def test_what_cannot_be_is_said_in_one_sentence(changed, said, refused):
     assert said in refused(*TUNE[:-2], *with_usual(changed.split(), TUNE[-2:]))
 

@@ -57,19 +57,16 @@ def case(name):
 
 BUSY = [f"{name} busy" for name in (*PARAMETERS, *QUICK)]
 OTHERS = [
-    *BUSY,
-    *(f"example {name}" for name in EXAMPLES),
-    *(f"{liar} on {by}" for liar in ADVERSARIES for by in ("minimalistic", "rich")),
-    "always-black on alone",
+    *BUSY, *(f"example {name}" for name in EXAMPLES),
+    *(f"{liar} on {by}" for liar in ADVERSARIES for by in ("minimalistic", "rich")), "always-black on alone",
     "shouter on steadfast",
-]
+]  # fmt: skip
 
 
 def faults(used, left_out=()):
     """What is wrong with a brain, by promise."""
-    found = {
-        what: suite.fault_of(test, used) for what, test in PROMISES.items() if not what.startswith(tuple(left_out))
-    }
+    kept = {what: test for what, test in PROMISES.items() if not what.startswith(tuple(left_out))}
+    found = {what: suite.fault_of(test, used) for what, test in kept.items()}
     return {what: fault for what, fault in found.items() if fault is not None}
 
 
@@ -132,11 +129,8 @@ def test_machine_code_lives_long_lives_of_cpython(name):
 
 
 OWN = {"all": ALL, "adds": ADDS, "wald": WALD, "random": RANDOM}
-LINKS = {
-    "edges": [[0, 1], [1, 2], [3, 1]],
-    "messages": [[k, k % 4, (k + 1 + k % 2) % 4] for k in range(10)],
-    "nobody": None,
-}
+LINKS = {"edges": [[0, 1], [1, 2], [3, 1]], "nobody": None}
+LINKS["messages"] = [[k, k % 4, (k + 1 + k % 2) % 4] for k in range(10)]
 
 
 @pytest.mark.long(but=["all-edges", "random-messages"])
@@ -162,13 +156,7 @@ def test_sizes_are_those_of_the_fields(name):
     assert used.memory_bytes == 4 * (numbers + 2)
 
 
-NO_MIRROR = (
-    "recurrent",
-    "steadfast",
-    "census",
-    "three-state",
-    "weighted-voter",
-)  # trained, or rounding decides at gates
+NO_MIRROR = ("recurrent", "steadfast", "census", "three-state", "weighted-voter")  # trained, or rounded at gates
 
 
 @pytest.mark.interpreted
@@ -176,8 +164,7 @@ NO_MIRROR = (
 def test_colours_may_change_places(name):
     """Black read as white, with b and w changed, gives the rest of each estimate to 1."""
     readings, links = history()
-    one, other = (
-        sc.infer(given[:80], links, {"black": b, "white": w}, 2, brain=name, compiled=False)["estimate"].values
-        for given, b, w in ((readings, 0.9, 0.8), (1.0 - readings, 0.8, 0.9))
-    )
-    assert one + other == pytest.approx(1.0, abs=1e-9)
+    both = 0.0
+    for given, b, w in ((readings, 0.9, 0.8), (1.0 - readings, 0.8, 0.9)):
+        both += sc.infer(given[:80], links, {"black": b, "white": w}, 2, brain=name, compiled=False)["estimate"].values
+    assert both == pytest.approx(1.0, abs=1e-9)

@@ -13,21 +13,13 @@ from tests.support.places import ROOT
 
 NAMES = sorted(path.stem for path in (ROOT / "benchmarks").glob("*.py"))
 TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
-NAMED = {
-    command.strip()
-    for page in (*PAGES, *TUTORIALS)
-    for command in re.findall(r"python\s+benchmarks/([^`#\n]+)", page.read_text(encoding="utf-8"))
-}
+TEXT = "\n".join(page.read_text(encoding="utf-8") for page in (*PAGES, *TUTORIALS))
+NAMED = {command.strip() for command in re.findall(r"python\s+benchmarks/([^`#\n]+)", TEXT)}
 QUICK = {
-    "engine": ["local_estimates"],
-    "first_page": ["five"],
-    "liars": ["kinds", "cost", "insiders", "worse"],
-    "methods": ["factors", "planning", "worth"],
-    "moving": ["bodies", "steering", "walks"],
-    "shell": ["scaling"],
-    "sure": ["coverage"],
-    "swarm": ["logs"],
-}
+    "engine": ["local_estimates"], "first_page": ["five"], "liars": ["kinds", "cost", "insiders", "worse"],
+    "methods": ["factors", "planning", "worth"], "moving": ["bodies", "steering", "walks"],
+    "shell": ["scaling"], "sure": ["coverage"], "swarm": ["logs"],
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -65,8 +57,6 @@ def test_a_quick_benchmark_ends(name, question, benchmark, monkeypatch):
 
 
 # ---- the tables of machines have all brains, and their command compares what they say
-
-
 @pytest.fixture
 def machines(benchmark):
     return benchmark("machines")
@@ -91,8 +81,7 @@ def test_brains_without_exp_have_the_same_bits(machines):
 
 
 def test_what_is_absent_is_not_tried(machines, monkeypatch):
-    monkeypatch.setattr(
-        machines, "needed", lambda: dict.fromkeys(("MicroPython", "C", "ATmega328P", "Cortex-M4F"), "x")
-    )
+    there = dict.fromkeys(("MicroPython", "C", "ATmega328P", "Cortex-M4F"), "x")
+    monkeypatch.setattr(machines, "needed", lambda: there)
     monkeypatch.setattr(machines, "in_machine_code", selftest.expected)
     assert machines.bits("commons") == ["same bits", *["not tried"] * 5]

@@ -1,8 +1,7 @@
 """The examples of README and docs/ run, and print, write and draw what their pages show.
 
-All of them go through one mechanism: `run_page` runs the blocks of a page in order, in an empty folder with the shipped
-studies. A text below a block of Python is its output; in a console, so is what stands below a command, where a line of
-three dots stands for any lines. A page shows nothing below a command whose output is left out.
+A text below a block of Python is its output; in a console, so is what stands below a command, where a line of three
+dots stands for any lines.
 """
 
 import re
@@ -28,36 +27,22 @@ OTHER_PROGRAMS = """
     cd cut git less npm export make sh tools/lowest.sh pip python pytest ruff lint-imports mypy pre-commit mkdocs
     mpremote source .ci/run cosmic-ray cr-report
 """
-LONG_PYTHON = """
-    brain-contract comparing data-format tuning
-"""
-CONSOLES = {  # of these pages, so many console blocks are run
-    "a-swarm-on-your-desk": None,
-    "comparing": None,
-    "data-format": None,
-    "plotting": None,
-    "theory": 1,  # the others take minutes
-    "tuning": None,
-}
+LONG_PYTHON = "brain-contract comparing data-format tuning"
+CONSOLES = dict.fromkeys(("a-swarm-on-your-desk", "comparing", "data-format", "plotting", "theory", "tuning"))
+CONSOLES["theory"] = 1  # console block is run of this page, and all of the others: the rest take minutes
 NOT_ALWAYS_SO = ("a-swarm-on-your-desk",)  # its swarms run in real time, and print other numbers each time
 IMAGES = {
-    "ranking-ranks.png": "ranks.png",
-    "lines.png": "lines.png",
-    "small-world-profiles.png": "profiles.png",
+    "ranking-ranks.png": "ranks.png", "lines.png": "lines.png", "small-world-profiles.png": "profiles.png",
     "differences.png": "differences.png",
-}
+}  # fmt: skip
 
 
 def examples(*languages):
-    return pytest.mark.parametrize(
-        "text",
-        [pytest.param(t, id=f"{page.name}-{k}") for page in PAGES for k, t in enumerate(blocks(page, *languages))],
-    )
+    texts = [pytest.param(t, id=f"{page.name}-{k}") for page in PAGES for k, t in enumerate(blocks(page, *languages))]
+    return pytest.mark.parametrize("text", texts)
 
 
 # ---- run
-
-
 @pytest.fixture
 def folder(here, monkeypatch):
     """A folder with the shipped studies, and the files of the example beside them."""
@@ -111,10 +96,7 @@ def untimed(text):
 
 
 def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
-    """The commands of docs/data-format.md give the files of studies/example.
-
-    Where a change was meant to alter numbers, write both again.
-    """
+    """The commands of docs/data-format.md give the files of studies/example: write both again where numbers change."""
     example = folder / "studies" / "example"
     (example / "observations.csv").unlink()
     (example / "links.csv").unlink()
@@ -126,19 +108,15 @@ def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
         assert (example / name).read_bytes() == (EXAMPLE / name).read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("right", "wrong"), [("[schedule]", "[schedule]\nround = 3"), ("fill_ratio = 0.5", "fill_ratio = 1.5")]
-)
-def test_the_study_page_shows_errors_as_they_are(right, wrong, here, capsys):
+def test_the_study_page_shows_errors_as_they_are(here, capsys):
     plain = "trials = 1\n[swarm]\nrobots = 5\naccuracy = 0.7\n[world]\ntopology = 'ring'\nfill_ratio = 0.5"
-    Path("s.toml").write_text(f"{plain}\n[schedule]\n".replace(right, wrong), encoding="utf-8")
-    assert main(["run", "s.toml"]) == 2
-    assert capsys.readouterr().err in page_named("study-file").read_text(encoding="utf-8")
+    for right, wrong in (("[schedule]", "[schedule]\nround = 3"), ("fill_ratio = 0.5", "fill_ratio = 1.5")):
+        Path("s.toml").write_text(f"{plain}\n[schedule]\n".replace(right, wrong), encoding="utf-8")
+        assert main(["run", "s.toml"]) == 2
+        assert capsys.readouterr().err in page_named("study-file").read_text(encoding="utf-8")
 
 
 # ---- read
-
-
 @examples("toml")
 def test_toml_is_a_study_or_a_change_to_one(text):
     tables = {"trials": 1, "swarm": {"robots": 20, "accuracy": 0.7}, "world": {"topology": "ring", "fill_ratio": 0.55}}

@@ -18,11 +18,6 @@ from tests.support.places import ROOT
 LARGEST = 3.4028234663852886e38
 
 
-def examples():
-    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8").partition("**Feedback.**")[2]
-    return re.findall(r"\| (\w+) \| ([-\d., e]+) \| `([\da-f ]+)` \|", text)
-
-
 def packer(coding, feedback=False):
     """The runtime's messages of one part."""
     count = 2 if coding in ("ratio16", "ratio8") else 1
@@ -30,21 +25,19 @@ def packer(coding, feedback=False):
 
 
 def test_examples_of_the_page():
-    found = examples()
+    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
+    found = re.findall(r"\| (\w+) \| ([-\d., e]+) \| `([\da-f ]+)` \|", text.partition("**Feedback.**")[2])
     assert {coding for coding, *_ in found} == set(CODINGS)
     for coding, numbers, code in found:
         said = tuple(float(x) for x in numbers.split(","))
         assert packer(coding).coded(said) == bytes.fromhex(code)
         assert written(coding, said) == bytes.fromhex(code)
-    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
     [sequence] = re.findall(r"\| share8 with feedback \| 0.55, then six times again \| `([\da-f ]+)` \|", text)
     one = packer("share8", True)
     assert b"".join(one.coded((0.55,)) for _ in range(7)) == bytes.fromhex(sequence)
 
 
 # ---- a codec that was written from the page alone
-
-
 def ieee(form, x, limit, largest):
     if x != x:
         return bytes(2) if form == "<e" else struct.pack(form, x)
@@ -73,15 +66,11 @@ def pair(bits, information, confidence):
 
 
 CODINGS = {
-    "float32": lambda x: ieee("<f", x, LARGEST, LARGEST),
-    "float16": lambda x: ieee("<e", x, 65520, 65504),
-    "share16": lambda x: share(16, x),
-    "share8": lambda x: share(8, x),
-    "log8": log8,
+    "float32": lambda x: ieee("<f", x, LARGEST, LARGEST), "float16": lambda x: ieee("<e", x, 65520, 65504),
+    "share16": lambda x: share(16, x), "share8": lambda x: share(8, x), "log8": log8,
     "whole16": lambda x: (round(min(x, 65535)) if x > 0 else 0).to_bytes(2, "little"),
-    "ratio16": lambda i, c: pair(16, i, c),
-    "ratio8": lambda i, c: pair(8, i, c),
-}
+    "ratio16": lambda i, c: pair(16, i, c), "ratio8": lambda i, c: pair(8, i, c),
+}  # fmt: skip
 
 
 def written(coding, said):
@@ -123,8 +112,7 @@ def test_datagrams_written_from_the_page(name, format_):
     one = Messages(tuple(brain.message.values()), brain.parts, mark, True)
     head = bytes([mark & 255, 300 & 255]) + (7).to_bytes(2, "little") + (70_000 & 0xFFFF).to_bytes(2, "little")
     body = head + b"".join(written(*part) for part in parts_of(brain, said, format_))
-    datagram = one.pack(message, 300, 7, 70_000)
-    assert datagram == body + zlib.crc32(body, mark).to_bytes(4, "little")
+    assert one.pack(message, 300, 7, 70_000) == body + zlib.crc32(body, mark).to_bytes(4, "little")
 
 
 def parts_of(brain, said, format_):

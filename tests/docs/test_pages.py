@@ -33,12 +33,9 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
 
 def test_text_on_wrong_beliefs_has_the_tables_numbers():
     """Medians to three digits."""
-    fixed, moving, alone = {}, {}, {}
-    for row in cells_of("wrong-beliefs"):
-        of = (row["accuracy"], row["belief"], row["f"])
-        fixed[of], moving[of], alone[of] = (
-            f"{float(row[column]):.3f}" for column in ("error", "moving robots", "formula")
-        )
+    rows = {(row["accuracy"], row["belief"], row["f"]): row for row in cells_of("wrong-beliefs")}
+    columns = ("error", "moving robots", "formula")
+    fixed, moving, alone = ({of: f"{float(row[name]):.3f}" for of, row in rows.items()} for name in columns)
     told = " ".join((ROOT / "docs" / "paper.md").read_text(encoding="utf-8").partition("## Wrong beliefs")[2].split())
     drawn, above = "N(0.0,0.05)", "0.05"
     for sentence in (
@@ -113,10 +110,8 @@ def test_the_data_page_lists_all_that_a_dataset_holds():
 
 
 def test_pages_show_files_of_the_examples():
-    for page, language, file in (
-        ("brain-contract", "python", "my_brain.py"), ("metrics", "python", "overshoot.py")
-    ):  # fmt: skip
-        assert (EXAMPLE / file).read_text(encoding="utf-8") in blocks(page_named(page), language)
+    for page, file in (("brain-contract", "my_brain.py"), ("metrics", "overshoot.py")):
+        assert (EXAMPLE / file).read_text(encoding="utf-8") in blocks(page_named(page), "python")
     [study] = (t for t in blocks(page_named("brain-contract"), "toml") if "my_brain.py" in t)
     assert study in (EXAMPLE / "compare.toml").read_text(encoding="utf-8")
 
@@ -148,12 +143,6 @@ def test_environment_of_conda_asks_for_the_same_versions():
     assert [name + bound for name, bound in named if name != "python"] == needed
 
 
-def options_of(command):
-    """The long options of a command, without those of every command."""
-    own = [one for one in arguments_of(command) if one.field_info.name not in OF_ALL | OF_TABLES]
-    return {name for one in own for name in one.names if name.startswith("--")}
-
-
 def test_comparing_page_lists_every_measure():
     text = page_named("comparing").read_text(encoding="utf-8")
     listed = {}
@@ -165,5 +154,8 @@ def test_comparing_page_lists_every_measure():
 
 @pytest.mark.parametrize(("name", "command"), [("tuning", "tune"), ("a-swarm-on-your-desk", "swarm")])
 def test_a_page_of_a_command_names_every_option(name, command):
+    """All its long ones but those of every command."""
     text = page_named(name).read_text(encoding="utf-8")
-    assert {option for option in options_of(command) if f"`{option}" not in text} == set()
+    own = [one for one in arguments_of(command) if one.field_info.name not in OF_ALL | OF_TABLES]
+    options = {option for one in own for option in one.names if option.startswith("--")}
+    assert {option for option in options if f"`{option}" not in text} == set()

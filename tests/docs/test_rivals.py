@@ -1,7 +1,4 @@
-"""docs/rivals.md shows every shipped brain as it is, and every deviation that its file lists.
-
-A new brain needs a row in benchmarks/tables/brains.csv, and a link to its file from the page.
-"""
+"""docs/rivals.md shows every shipped brain as benchmarks/tables/brains.csv has it, and all deviations of its file."""
 
 import json
 import re
@@ -34,12 +31,9 @@ def built(page):
 def told(brain):
     """What a brain estimates, what it decides for, and what it costs, as the table's row says it."""
     options = "black or white" if brain.options == 2 else f"one of {brain.options}"
-    return {
-        "estimates": "an opinion" if brain.is_opinion else "a number",
-        "decides for": options if brain.decides else "",
-        "memory": str(brain.memory_bytes),
-        "message": str(brain.message_bytes),
-    }
+    costs = {"memory": str(brain.memory_bytes), "message": str(brain.message_bytes)}
+    estimates = "an opinion" if brain.is_opinion else "a number"
+    return {"estimates": estimates, "decides for": options if brain.decides else ""} | costs
 
 
 def test_the_table_has_every_shipped_brain_as_it_is():
@@ -66,12 +60,10 @@ def test_a_page_shows_a_file_below_the_paragraph_that_links_it():
 @pytest.mark.long
 @pytest.mark.parametrize("question", ["consensus", "opinions", "unknown", "strobel", "beliefs"])
 def test_tables_are_what_the_benchmark_measures(question, benchmark, monkeypatch):
-    rivals, written = benchmark("rivals"), {}
-    monkeypatch.setattr(
-        rivals.harness, "write_csv", lambda name, heads, rows: written.update({name: [list(heads), *map(list, rows)]})
-    )
+    rivals, written = benchmark("rivals"), []
+    monkeypatch.setattr(rivals.harness, "write_csv", lambda *table: written.append(table))
     getattr(rivals, question)(write=True)
-    [(name, (heads, *rows))] = written.items()
+    [(name, heads, rows)] = written
     for row, stored in zip(rows, cells_of(name), strict=True):
         row = dict(zip(heads, map(str, row), strict=True))
         if OUR_C_LIBRARY:
@@ -101,8 +93,6 @@ def test_the_arena_of_liars_is_the_published_experiment():
 
 
 # ---- docs/paper.md has the numbers of `swarmcensus reproduce`, as it prints them, and the engine still gives them
-
-
 TEXT = (DOCS / "paper.md").read_text(encoding="utf-8")
 CLAIMS = TEXT.partition("## Choices")[0]
 FOUND = {row["claim"]: row for row in cells_of("paper-claims")}
@@ -125,9 +115,8 @@ def test_the_page_shows_claims_that_do_not_hold_everywhere():
 def test_verdicts_are_counted():
     verdicts = [row["verdict"] for row in FOUND.values()]
     holds, part, fails = (verdicts.count(verdict) for verdict in (HOLDS, PARTLY, FAILS))
-    assert f"Of {len(FOUND)} claims {holds} hold, {part} hold in part, and {fails} do not hold" in " ".join(
-        TEXT.split()
-    )
+    said = f"Of {len(FOUND)} claims {holds} hold, {part} hold in part, and {fails} do not hold"
+    assert said in " ".join(TEXT.split())
 
 
 def test_explanations_are_those_of_the_claims():

@@ -118,8 +118,7 @@ def test_every_command_and_its_options_are_on_the_page(site):
 def test_every_page_has_its_place_and_every_picture_its_page():
     settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     placed = set(re.findall(r"^ +(?:- )?(?:\w+: )?([\w/-]+\.md)$", settings, re.MULTILINE))
-    written = {path.relative_to(ROOT / "docs").as_posix() for path in PAGES}
-    assert written <= placed
+    assert {path.relative_to(ROOT / "docs").as_posix() for path in PAGES} <= placed
     texts = "".join(page.read_text(encoding="utf-8") for page in (*PAGES, ROOT / "README.md")) + settings
     pictures = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs" / "images").rglob("*.*")}
     assert {name for name in pictures if name not in texts} == set()
@@ -144,8 +143,7 @@ def test_tooltips_are_of_the_first_use_and_not_in_headings_and_links():
     assert "round" not in words
     assert not any(re.search(r"[][*`]", told) for told in words.values())
     bin_, k = '<abbr title="a part">bin</abbr>', '<abbr title="a round">K</abbr>'  # K of --share K/N, say
-    shown = hooked("glossary", f"<h2>{bin_}</h2><a>{bin_}</a>{bin_}{bin_}")
-    assert shown == f"<h2>bin</h2><a>bin</a>{bin_}bin"
+    assert hooked("glossary", f"<h2>{bin_}</h2><a>{bin_}</a>{bin_}{bin_}") == f"<h2>bin</h2><a>bin</a>{bin_}bin"
     assert hooked("glossary", f"{k}<em>{k}</em>") == f"K<em>{k}</em>"
 
 
@@ -189,9 +187,7 @@ def test_every_public_name_is_on_the_page_of_python():
     listed = set(re.findall(r"^::: [\w.]+\.(\w+)$", hooked("tables", python, "markdown"), re.MULTILINE))
     assert set(sc.__all__) - {"plot", "theory", "__version__"} <= listed
     assert set(dir(sc.plot)) <= listed
-    assert set(theory.__all__) - listed <= {
-        "Truth", "from_links", "spectrum_of",  # for other packages
-    }  # fmt: skip
+    assert set(theory.__all__) - listed <= {"Truth", "from_links", "spectrum_of"}  # for other packages
 
 
 @functools.cache
@@ -212,15 +208,9 @@ def test_tutorials_run(page, monkeypatch):
 
 @pytest.mark.long
 def test_a_notebook_is_shown_with_what_it_prints_and_draws():
-    found = hook()
-    text, pictures = found["shown"](
-        found["executed"](
-            '# Title\n\n```toml title="a.toml"\nx = 1\n```\n\n```bash\ncat a.toml; echo progress >&2\n```\n\n'
-            "```python\nfrom matplotlib.figure import Figure\n\nfigure = Figure()\n"
-            "figure.subplots()\nfigure\n```\n\n```python\n6 * 7\n```\n"
-        ),
-        "page",
-    )
+    page = '# Title\n\n```toml title="a.toml"\nx = 1\n```\n\n```bash\ncat a.toml; echo progress >&2\n```\n\n'
+    page += "```python\nfrom matplotlib.figure import Figure\n\nfigure = Figure()\nfigure.subplots()\nfigure\n```\n\n"
+    text, pictures = hook()["shown"](hook()["executed"](f"{page}```python\n6 * 7\n```\n"), "page")
     assert text.startswith('# Title\n\n```toml title="a.toml"\nx = 1\n```\n\n')
     assert "```sh\ncat a.toml; echo progress >&2\n```\n\n``` { .text .output .no-copy }\nx = 1\n```" in text
     assert "![What the cell above draws](page-1.png)" in text

@@ -24,9 +24,8 @@ FILES = {  # of MicroPython 1.27.0, by their SHA-256
     "micropython.mjs": "c2be87e7ba24e3b47d133022b009a66bff07f4720aa23d816d216ef8cc47014c",
     "micropython.wasm": "06338c955b03c5700aa0069015d3e392d76836ef8e2ce25bedbe59b88ccd373c",
 }
-DONE = "$('#try-status').textContent.startsWith('Computed') || !$('#try-error').hidden".replace(
-    "$", "document.querySelector"
-)
+DONE = "$('#try-status').textContent.startsWith('Computed') || !$('#try-error').hidden"
+DONE = DONE.replace("$", "document.querySelector")
 LIES = ["always-black", "creeper", "forger", "jammer", "noisy-mirror", "random", "shouter", "slow-liar"]
 
 

@@ -45,8 +45,7 @@ def test_advice_follows_the_leaderboard(board):
     assert order("error: 30 % liars")[:2] == order("right %: 30 % liars", max)[:2] == ["steadfast", "alone"]
     assert order("error: change")[:2] == ["tracking", "census"]
     opinions = {b for b, c in board if c.startswith("right") and (b, "error: networks") not in board}
-    near_half = [b for b in order("right %: f near 1/2", max) if b in opinions]
-    assert near_half[0].startswith("direct-comparison")
+    assert next(b for b in order("right %: f near 1/2", max) if b in opinions).startswith("direct-comparison")
     assert {"tracking", "bayes-cpf"} <= {b.partition(" ")[0] for b in order("right %: change", max)[:6]}
     assert order("memory", max)[0].startswith("changing-floor")
 

@@ -48,8 +48,7 @@ def test_from_any_folder(brain, tmp_path):
         day.parent.mkdir(exist_ok=True)
         subprocess.run([str(PROGRAM), "-c", given], cwd=day.parent, env=os.environ | places, check=True)
         lives = relive_all(read_recording(day))
-        assert [(life.relived, life.ticks, life.breaks, life.lost) for life in lives] == [
-            (TICKS, TICKS, [], [])
-        ] * ROBOTS
+        found = [(life.relived, life.ticks, life.breaks, life.lost) for life in lives]
+        assert found == [(TICKS, TICKS, [], [])] * ROBOTS
     for log in days[0].glob("*.log"):
         assert log.read_bytes() == (days[1] / log.name).read_bytes()

@@ -35,13 +35,10 @@ def on_atmega(source):
 
 
 @pytest.mark.long(but=["commons-atmega", "commons-cortex", "w-msr-cortex"])
-@pytest.mark.parametrize(
-    ("chip", "rounds"),
-    [
-        pytest.param(on_atmega, SHORT, id="atmega", marks=AVR),
-        pytest.param(hosts.on_cortex, None, id="cortex", marks=CORTEX),
-    ],
-)
+@pytest.mark.parametrize(("chip", "rounds"), [
+    pytest.param(on_atmega, SHORT, id="atmega", marks=AVR),
+    pytest.param(hosts.on_cortex, None, id="cortex", marks=CORTEX),
+])  # fmt: skip
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_brains_on_chips(name, chip, rounds, tmp_path):
     brain = load_busy(name, "single", "ratio8" if is_exact(load_busy(name, "single")) else "float32")
@@ -143,8 +140,7 @@ def avr(benchmark):
 
 def table_of_costs():
     """The rows of the table of costs, by brain."""
-    rows = cells_of("atmega328p")
-    return {name: cells for name, *cells, _ in map(dict.values, rows)}
+    return {name: cells for name, *cells, _ in map(dict.values, cells_of("atmega328p"))}
 
 
 def test_the_table_has_the_costs_of_all_brains(avr):
@@ -184,9 +180,8 @@ def test_longest_tick_is_that_of_a_phase_with_twenty_senders(avr):
     rare = "me.past += 1.0\n    if me.past % 500.0 == 0.0:\n        "
     loop = "for _ in range(TURNS):\n            me.x = 0.5 * me.x + 0.25\n"
     slow = own.replace("def fuse(me):\n", f"def fuse(me):\n    {rare}{loop}")
-    short, long = (
-        avr.cost(parse(slow.replace("TURNS", turns), "slow", Path("slow.py"))).longest for turns in ("6000", "12000")
-    )
+    brains = [parse(slow.replace("TURNS", turns), "slow", Path("slow.py")) for turns in ("6000", "12000")]
+    short, long = (avr.cost(one).longest for one in brains)
     assert short > 2**20
     assert long == pytest.approx(2 * short, rel=0.02)
 

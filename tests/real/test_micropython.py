@@ -115,8 +115,7 @@ def test_two_runtimes_hear_each_other_through_noise(tmp_path, name, format_):
     """Datagrams, states and counts of a board are those of CPython; its heap is flat, and its file is read again."""
     brain = brains.load(name)
     messages = messages_of(brain, format_)
-    plan = tuple(tuple(part) for part in messages.plan)
-    settings = repr((messages.lengths, plan, True))
+    settings = repr((messages.lengths, tuple(tuple(part) for part in messages.plan), True))
     main = RUNTIME.replace("{settings}", settings).replace("NOISE", "10")
     files = robot_files() | {"brain.py": brain.source, "main.py": main.replace("FOLDER", "'/'")}
     grown, *there = on_board(tmp_path, files).splitlines()

@@ -13,12 +13,10 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from tests.support.places import DATA
 
-SIMULATOR = pytest.mark.skipif(
-    "POGOSIM" not in os.environ, reason="needs POGOSIM, where it is installed, and LIBRARIES if make cannot link"
-)
-BOARD = pytest.mark.skipif(
-    not {"SDK", "SOURCES"} <= set(os.environ), reason="needs SDK and SOURCES, where the Makefile says what they are"
-)
+WHY = "needs POGOSIM, where it is installed, and LIBRARIES if make cannot link"
+SIMULATOR = pytest.mark.skipif("POGOSIM" not in os.environ, reason=WHY)
+WHY = "needs SDK and SOURCES, where the Makefile says what they are"
+BOARD = pytest.mark.skipif(not {"SDK", "SOURCES"} <= set(os.environ), reason=WHY)
 
 
 def made(tmp_path, brain, goal):
@@ -33,8 +31,7 @@ def made(tmp_path, brain, goal):
 @SIMULATOR
 @pytest.mark.parametrize("brain", ["commons", "sure", pytest.param(DATA / "whole.py", id="whole")])
 def test_twenty_robots_live_again_to_the_bit(tmp_path, brain):
-    robot = made(tmp_path, brain, "run")
-    recording = read_recording(robot / "logs")
+    recording = read_recording(made(tmp_path, brain, "run") / "logs")
     lives = relive_all(recording)
     assert len(lives) == 20
     assert all(life.relived == life.ticks > 1990 and not (life.breaks or life.lost) for life in lives)

@@ -51,8 +51,7 @@ def expected(request, small_results, here):
     with xr.open_dataset("ring.nc", engine="h5netcdf", mask_and_scale=False) as file:
         data = file.load()
     assert (data["convergence_round"].values == -1).any() or "one" in request.param
-    rounds = data["convergence_round"].where(data["convergence_round"] >= 0)
-    return data, np.nanmedian(rounds, axis=(1, 2))
+    return data, np.nanmedian(data["convergence_round"].where(data["convergence_round"] >= 0), axis=(1, 2))
 
 
 def run(language, name, *command):
@@ -80,8 +79,6 @@ def test_octave(octave, expected):
 
 
 # ---- films, as another program than the one that wrote them sees them
-
-
 MOVING = """
 trials   = 1
 swarm    = {robots = 4, accuracy = 0.7}
@@ -91,13 +88,10 @@ schedule = {ticks = 40}
 
 
 @pytest.mark.skipif(shutil.which("ffprobe") is None, reason="no ffprobe here: see tests/real/install.sh")
-@pytest.mark.parametrize(
-    ("ending", "expected"),
-    [
-        ("mp4", {"codec_name": "h264", "pix_fmt": "yuv420p", "avg_frame_rate": "10/1", "nb_read_frames": "3"}),
-        ("gif", {"codec_name": "gif", "avg_frame_rate": "10/1", "nb_read_frames": "3"}),
-    ],
-)
+@pytest.mark.parametrize(("ending", "expected"), [
+    ("mp4", {"codec_name": "h264", "pix_fmt": "yuv420p", "avg_frame_rate": "10/1", "nb_read_frames": "3"}),
+    ("gif", {"codec_name": "gif", "avg_frame_rate": "10/1", "nb_read_frames": "3"}),
+])  # fmt: skip
 def test_a_film_is_what_players_take(here, ending, expected):
     """H.264 with halved colours is what browsers and slides play."""
     if ending == "mp4":

@@ -63,14 +63,11 @@ class Formats:
             flat += [(float(x), name, self.brain.roles.get(name, "")) for x in (part if items else (part,))]
         owed = self.owed[i] if self.brain.numbers.feedback else dict.fromkeys(range(100), 0.0)
         wanted = [self.rounded(x + (owed[k] if role in CARRIED else 0.0)) for k, (x, _, role) in enumerate(flat)]
-        holds = [True] * len(flat)
-        read = list(wanted)
+        read, holds = list(wanted), [True] * len(flat)
         if format == "float32":
-            read = [real(x) for x in wanted]
-            holds = [abs(single(x)) <= 3.4028234663852886e38 for x in wanted]
+            read, holds = [real(x) for x in wanted], [abs(single(x)) <= 3.4028234663852886e38 for x in wanted]
         elif format == "float16":
-            read = [half(x) for x in wanted]
-            holds = [abs(x) < 65520 for x in wanted]
+            read, holds = [half(x) for x in wanted], [abs(x) < 65520 for x in wanted]
         else:
             bits, used = int(format.removeprefix("ratio")), set()
             roles = [role for *_, role in flat]
@@ -104,11 +101,8 @@ class Formats:
                 lost = self.rounded(owed[k] - self.rounded(wanted[k] - self.rounded(flat[k][0])))  # in adding it
                 rest = self.rounded(self.rounded(wanted[k] - read[k]) + lost)
                 self.owed[i][k] = rest if holds[k] else 0.0
-        numbers = iter(map(float, read))
-        return tuple(
-            tuple(next(numbers) for _ in range(items)) if items else next(numbers)
-            for items in self.brain.message.values()
-        )
+        it, counts = iter(map(float, read)), self.brain.message.values()
+        return tuple(tuple(next(it) for _ in range(items)) if items else next(it) for items in counts)
 
     def _confidence(self, flat, k: int, used: set[int]) -> int | None:
         """Which number is the confidence of the information at k: in a vector that of the same item."""

@@ -1,7 +1,6 @@
 """A swarm's whole life by brute force: written from the docs, in plain Python, and slow. The engine is held against it.
 
-Nothing here is shared with the engine but brains and settings: random numbers, places, walks, rays, contact, radio and
-messages stand here a second time, with no list of neighbours, no chunk, no block and no sum.
+Nothing here is shared with the engine but brains and settings; there is no chunk, no block and no sum.
 """
 
 import math
@@ -22,8 +21,6 @@ Key = tuple[int, int]
 
 
 # ---- random numbers: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011
-
-
 def threefry(key: Key, high: tuple[int, int], low: tuple[int, int]) -> Key:
     """Threefry-2x64-13 of a counter whose two words are made of two 32-bit numbers each."""
     keys = (*key, 0x1BD11BDAA9FC1A22 ^ key[0] ^ key[1])
@@ -70,8 +67,6 @@ def tile_unit(key: np.ndarray, trial: int, purpose: int, column: int, row: int) 
 
 
 # ---- what changes while robots look
-
-
 def fill_ratio_in(setting: Setting, tick: int) -> float:
     """The fill ratio of a round or tick: the last with the old one is at - 1, the first with the new one is until."""
     change = setting.change
@@ -93,8 +88,6 @@ def accuracy_in(setting: Setting, member: int, start: float, tick: int) -> float
 
 
 # ---- who hears whom on fixed networks
-
-
 def hearers(setting: Setting, key: np.ndarray | None, trial: int) -> list[list[int]]:
     """Whom each robot hears, in order."""
     n, topology = setting.robots, setting.topology
@@ -150,8 +143,6 @@ def failures(setting: Setting, keys: list[np.ndarray], trial: int) -> Failures:
 
 
 # ---- states
-
-
 class States:
     """The states of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
 
@@ -168,17 +159,15 @@ class States:
         single = [brain.numbers.precision == "single" for brain in self.brains]
         self.round = [reference_formats.single if one else float for one in single]
         self.chance = [single_chance if one else chance for one in single]
-        self.states = [
-            brain.robot(self.round[i](b), self.round[i](w), float(i)) for i, (brain, b, w) in enumerate(every)
-        ]
+        given = enumerate(every)
+        self.states = [brain.robot(self.round[i](b), self.round[i](w), float(i)) for i, (brain, b, w) in given]
         self.formats = {brain: reference_formats.Formats(brain, n) for brain in self.brains}
         moves = setting.body is not None  # robots on fixed networks say nothing before round 1
         self.said = [[self.sends(i) if moves else None for i in range(n)]]
         self.noise = [[self.jams(i) for i in range(n)]]
         self.estimates = [[self.call("estimate", i) for i in range(n)]]
         self.sent, self.heard = [0] * n, [0] * n
-        self.decisions: list[list[float]] = []
-        self.done: list[list[bool]] = []
+        self.decisions, self.done = [], []  # of each tick, by robot
         self.intervals: list[list[tuple[float, float]]] = [[self.interval(i) for i in range(n)]]
 
     def call(self, name: str, i: int, *given: object) -> object:
@@ -215,10 +204,7 @@ class States:
     def live(
         self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0, since: int = 0
     ) -> None:
-        """A round or tick: observe (NaN: no observation), talk, hear what was said `delay` ticks ago, fuse.
-
-        Nobody hears what was said before tick `since`.
-        """
+        """Observe (NaN: no observation), talk, hear what was said `delay` ticks ago but not before `since`, fuse."""
         n = len(self.states)
         for i in range(n):
             if not math.isnan(blacks[i]) and works(self.failed.sensing[i], tick) and not self.is_done(i):
@@ -229,16 +215,14 @@ class States:
         for i in range(n):
             self.sent[i] += self.said[-1][i] is not None and works(self.failed.talking[i], tick)
             before = tick - delay
-            drowned = before >= since and any(
-                self.noise[before][j] and works(self.failed.talking[j], before) for j in heard[i]
-            )
+            noisy = (self.noise[before][j] and works(self.failed.talking[j], before) for j in heard[i])
+            drowned = before >= since and any(noisy)
             for j in heard[i] if before >= since and not drowned else ():
                 spoke = works(self.failed.talking[j], before) and self.said[before][j] is not None
                 if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
                     if self.brains[i].uses.luck:
-                        self.states[i].luck = self.chance[i](
-                            threefry(key_of(self.draws[2:]), (self.trial, tick), (i, j))[0]
-                        )
+                        word = threefry(key_of(self.draws[2:]), (self.trial, tick), (i, j))[0]
+                        self.states[i].luck = self.chance[i](word)
                     self.heard[i] += 1
                     self.call("receive", i, self.said[before][j])
         for i in range(n):

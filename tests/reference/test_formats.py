@@ -22,20 +22,15 @@ from swarmcensus.studies import addresses
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
 from tests.support.lives import local_curves
 from tests.support.pages import cells_of
-from tests.support.second import ADDS, ALL, STEER, TALKS, agreed, brain, first, fixed, moving
+from tests.support.second import ADDS, ALL, STEER, TALKS, agreed, brain, changed, first, fixed, moving
 from tests.support.small import FAMILIES, FAULTS, GO, PASSING, SEED, failing, heard_in, moving_of, settings_of, study_of
 from tests.support.trials import record_ride, record_trial
 
 EVERY = [
-    Numbers("single", "double"),
-    Numbers("single", "ratio16"),
-    Numbers("single", "ratio8", False),
-    Numbers("single", "float32"),
-    Numbers("double", "float16"),
-    Numbers("double", "ratio8"),
-    Numbers("double", "float32"),
-    Numbers("single", "float16"),
-]
+    Numbers("single", "double"), Numbers("single", "ratio16"), Numbers("single", "ratio8", False),
+    Numbers("single", "float32"), Numbers("double", "float16"), Numbers("double", "ratio8"),
+    Numbers("double", "float32"), Numbers("single", "float16"),
+]  # fmt: skip
 
 
 ROUGH = ("recurrent", "belief-sharing")  # machine code has a tanh and a power of its own
@@ -55,9 +50,8 @@ def lives_as_the_reference(settings):
 
 
 def test_machine_code_of_number_formats():
-    lives_as_the_reference(
-        settings_of(brain="self-taught", rounds=40, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(EVERY[1]))
-    )
+    more = {"link_success": 0.8, "accuracy": "U(0.6, 0.9)"} | keys_of(EVERY[1])
+    lives_as_the_reference(settings_of(brain="self-taught", rounds=40, **more))
 
 
 @pytest.mark.long(but_every=4)
@@ -74,9 +68,8 @@ def test_compiled_number_formats_against_the_reference(which):
     numbers, every = EVERY[which], [name for name in brains.shipped() if name not in ("oracle", "leaver")]
     # in CPython all are tried; as machine code each brain in single precision, and an eighth in double precision
     every = every[which::4] if numbers.precision == "single" else every[::8]
-    lives_as_the_reference(
-        settings_of(robots=6, brain=every, rounds=60, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(numbers))
-    )
+    more = {"link_success": 0.8, "accuracy": "U(0.6, 0.9)"} | keys_of(numbers)
+    lives_as_the_reference(settings_of(robots=6, brain=every, rounds=60, **more))
 
 
 @pytest.mark.interpreted
@@ -96,16 +89,12 @@ def test_robots_that_move_and_steer_round_as_the_reference(brain):
 @pytest.mark.interpreted
 @pytest.mark.parametrize("adversary", ["jammer", "opposite"])
 def test_liars_talk_in_the_same_format(adversary):
-    study = study_of(
-        "commons", robots=6, accuracy=0.8, precision="single", rounds=10, trials=1,
-        members=[{"robots": 2, "brain": adversary, "honest": False}], message="ratio16",
-    )  # fmt: skip
-    lives_as_the_reference(study.settings())
+    members = [{"robots": 2, "brain": adversary, "honest": False}]
+    world = {"rounds": 10, "members": members, "precision": "single", "message": "ratio16"}
+    lives_as_the_reference(settings_of(6, "commons", 0.8, looks=10, **world))
 
 
 # ---- the codec
-
-
 def test_half_precision_is_that_of_ieee():
     numbers = [*np.random.default_rng(1).normal(size=2000) * 2.0 ** np.linspace(-30, 16, 2000), 0.0, 65519.9]
     every = np.arange(65536, dtype=np.uint16).view(np.float16)
@@ -122,12 +111,10 @@ def test_codes_stand_for_the_nearest_numbers():
     random = np.random.default_rng(2)
     for bits, steps in ((16, 32768.0), (8, 128.0)):
         every = reference_formats.RATIOS[bits]
-        assert [codec.ratio_code(codec.ratio_value(float(k), steps), steps) for k in range(len(every))] == [
-            *range(len(every))
-        ]
+        values = [codec.ratio_value(float(k), steps) for k in range(len(every))]
+        assert [codec.ratio_code(value, steps) for value in values] == [*range(len(every))]
         for x in random.uniform(-1.0, 2.0, 200):
-            read = codec.read_share(x, steps)
-            assert abs(read - x) == pytest.approx(np.abs(every - x).min(), abs=1e-12)
+            assert abs(codec.read_share(x, steps) - x) == pytest.approx(np.abs(every - x).min(), abs=1e-12)
     assert [codec.log_code(codec.log_value(float(k))) for k in range(256)] == [*range(256)]
     for x in 2.0 ** random.uniform(-16, 47, 500):
         assert codec.read_log(x) == pytest.approx(reference_formats.log(x), rel=1e-15)
@@ -145,20 +132,15 @@ def test_the_codec_in_single_precision_has_the_bits_of_float32():
             scaled = (f4(x) + f4(0.5)) * f4(32768.0)
         assert namespace["ratio_code"](x, 32768.0) == np.clip(np.rint(scaled), 0, 65535)
         information, confidence = x * 100, abs(x) * 37 + 1
-        assert namespace["ratio_of"](rounded_to_single(information), rounded_to_single(confidence)) == f4(
-            information
-        ) / f4(confidence)
+        found = namespace["ratio_of"](rounded_to_single(information), rounded_to_single(confidence))
+        assert found == f4(information) / f4(confidence)
 
 
 # ---- what users see
-
-
 @pytest.mark.interpreted
 def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
-    study = study_of(
-        ["commons", "three-state"], robots=5, accuracy=0.8, precision=[*get_args(Precision)], rounds=5, trials=2,
-        message=[*get_args(Format)],
-    )  # fmt: skip
+    formats = {"precision": [*get_args(Precision)], "message": [*get_args(Format)]}
+    study = study_of(["commons", "three-state"], robots=5, accuracy=0.8, rounds=5, trials=2, **formats)
     data = sc.run(study, jobs=1)
     assert data["message"].values[:5].tolist() == ["double", "float32", "float16", "ratio16", "ratio8"]
     assert set(data["precision"].values) == {"single", "double"}
@@ -169,21 +151,17 @@ def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
     for setting, size in zip(study.settings(), data["message_bytes"].values, strict=True):
         if setting.message != "double":
             assert size == reference_formats.size(setting.brain)
-    again = sc.replay(data, 3, 1)
-    assert again["estimate"].values[-1].tolist() == data["final_estimate"].values[3, 1].tolist()
+    assert sc.replay(data, 3, 1)["estimate"].values[-1].tolist() == data["final_estimate"].values[3, 1].tolist()
 
 
 @pytest.mark.interpreted
 def test_overflowing_numbers_are_counted_and_clipped(tmp_path, accepted):
     path = tmp_path / "large.py"
-    path.write_text(
-        "MEMORY = {'x': 0.5, 'n': 0.0, 'heard': 0.0}\nMESSAGE = ('n',)\n"
-        "def observe(me, blacks, looks):\n    me.n += 30000.0\n"
-        "def broadcast(me):\n    return (me.n,)\n"
-        "def receive(me, message):\n    me.heard = message[0]\n"
-        "def fuse(me):\n    pass\n"
-        "def estimate(me):\n    return me.x\n"
-    )
+    changes = (
+        ('"n": 0.0', '"n": 0.0, "heard": 0.0'), ('("x",)', '("n",)'), ("me.n += blacks", "me.n += 30000.0"),
+        ("(estimate(me),)", "(me.n,)"), ("message):\n    pass", "message):\n    me.heard = message[0]"),
+    )  # fmt: skip
+    path.write_text(changed(*changes, ("me.n / me.t if me.t > 0.0 else 0.5", "0.5")))
     study = study_of(str(path), robots=2, accuracy=0.8, rounds=5, trials=1, topology="full", message="float16")
     data = sc.run(study, jobs=1, out=tmp_path / "large.nc")
     assert data["messages_clipped"].values.tolist() == [[[3.0, 3.0]]]
@@ -191,19 +169,15 @@ def test_overflowing_numbers_are_counted_and_clipped(tmp_path, accepted):
     assert sc.replay(data, 0, 0, brain_file=path)["heard"].values[-1].tolist() == [65504.0, 65504.0]
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"precision": "half"}, 'swarm.precision = "half"'),
-        ({"message": "bfloat16"}, "did you mean 'float16'"),
-        ({"feedback": False}, "world.feedback"),
-        ({"feedback": "yes"}, 'world.feedback = "yes"'),
-    ],
-)
+@pytest.mark.parametrize(("given", "said"), [
+    ({"precision": "half"}, 'swarm.precision = "half"'),
+    ({"message": "bfloat16"}, "did you mean 'float16'"),
+    ({"feedback": False}, "world.feedback"),
+    ({"feedback": "yes"}, 'world.feedback = "yes"'),
+])  # fmt: skip
 def test_unknown_formats_are_named(given, said):
-    with pytest.raises(sc.InputError) as error:
+    with pytest.raises(sc.InputError, match=said):
         study_of(**given)
-    assert said in str(error.value)
 
 
 def test_table_of_formats_lists_all_brains():
@@ -221,8 +195,6 @@ def test_an_error_in_single_precision_has_the_line_of_the_file():
 
 
 # ---- small swarms on fixed networks against the reference, and batches of trials against their curves
-
-
 ONE_WAY = {"name": "one way", "edges": [[0, 3], [3, 1], [1, 3], [2, 0]], "directed": True}
 CASES = [
     {"robots": [1, 2, 5], "topology": ["full", "ring", "line", "scale-free"]},
@@ -233,8 +205,7 @@ CASES = [
     {"robots": 4, "topology": ONE_WAY, "link_success": [0.7, 1.0]},
     {"robots": 4, "accuracy": {"black": "N(0.8, 0.1)", "white": 0.6}, "assumed_accuracy": {"error": "U(-0.2, 0.1)"}},
     {"robots": 260, "rounds": 2, "accuracy": "U(0.6, 0.8)", "looks": 17},
-    {"robots": 5, "topology": ["ring", "full"], "looks": 3,
-     "fill_ratio": {"from": 0.9, "to": 0.2, "at": 3, "until": 6},
+    {"robots": 5, "topology": ["ring", "full"], "looks": 3, "fill_ratio": {"from": 0.9, "to": 0.2, "at": 3, "until": 6},
      "accuracy": {"start": "U(0.7, 0.9)", "drift": -0.02, "least": 0.6}},
     {"robots": 6, "topology": ["ring", "full"], "brain": ["commons", "legacy"], "looks": 3, "rounds": 9,
      "message_delay": [1, 4]},
@@ -289,27 +260,24 @@ def test_losses_one_way_say_nothing_of_the_other_way(topology):
     heard = [np.diff(record_trial(setting, SEED, trial)[0]["heard"], axis=0) for trial in (0, 1)]
     assert set(np.unique(heard)) == {0.0, 1.0}
     one, other = np.concatenate(heard).T
-    pairs = [(one, other), (one[1:], one[:-1]), (one[1:], other[:-1]), (heard[0].ravel(), heard[1].ravel())]
-    for x, y in pairs:
+    for x, y in (one, other), (one[1:], one[:-1]), (one[1:], other[:-1]), (heard[0].ravel(), heard[1].ravel()):
         assert abs(np.corrcoef(x, y)[0, 1]) < 4 / math.sqrt(len(x))
 
 
 def test_length_of_segments():
     """Few robots' estimates are all kept; of many, what is kept grows with the square root of the rounds."""
-    assert trials.segment_length(10, 50, 96, 1) == 50
-    assert trials.segment_length(100_000, 5000, 96, 1) == 244  # the root of 5000 96 / 8
-    assert trials.segment_length(100_000, 5000, 96, 10) == 250
+    for given, length in (
+        ((10, 50, 96, 1), 50), ((100_000, 5000, 96, 1), 244),  # the root of 5000 96 / 8
+        ((100_000, 5000, 96, 10), 250), ((10**9, 50, 8, 1), 7), ((10**10, 1, 8, 1), 1),
+        ((10**6, 120, 8, 1), 100), ((10**5, 120, 8, 1), 100),  # of a crowd, a hundred
+    ):  # fmt: skip
+        assert trials.segment_length(*given) == length
     assert trials.segment_length(10**6, 10**9, 8, 7) % 7 == 0
-    assert trials.segment_length(10**9, 50, 8, 1) == 7
-    assert trials.segment_length(10**6, 120, 8, 1) == 100  # of a crowd, a hundred
-    assert trials.segment_length(10**5, 120, 8, 1) == 100
-    assert trials.segment_length(10**10, 1, 8, 1) == 1
 
 
 # ---- swarms that use all of the contract's optional functions live the life of the reference, in every kind of world
-
-
 SOME = [{"robots": 0.4, "brain": brain(TALKS, "talks.py"), "honest": False}]
+TWO, LOSSY = ["full", "ring"], {"topology": ["full", "line"], "link_success": 0.6}
 FUNCTIONS = {
     "all": (ALL, {"robots": [1, 5], "topology": ["full", "ring", "line", "scale-free"]}),
     "all, lossy": (ALL, {"robots": 6, "topology": ["full", "scale-free"], "link_success": 0.6, "faults": FAULTS}),
@@ -318,15 +286,12 @@ FUNCTIONS = {
     "adds, lossy": (ADDS, {"robots": 6, "topology": ["full", "line"], "link_success": 0.6}),
     "adds, failing": (ADDS, {"robots": 6, "topology": ["full", "ring"], "faults": FAULTS}),
     "all, passing": (ALL, {"robots": 6, "topology": ["full", "line"], "link_success": [1.0, 0.6], "faults": PASSING}),
-    "adds, passing and late": (ADDS,
-                               {"robots": 6, "topology": ["full", "ring"], "faults": PASSING, "message_delay": [0, 2]}),
+    "adds, passing and late": (ADDS, {"robots": 6, "topology": TWO, "faults": PASSING, "message_delay": [0, 2]}),
     "all, late": (ALL, {"topology": ["full", "ring"], "message_delay": [1, 3]}),
-    "all, late and lossy": (ALL,
-                            {"topology": ["full", "line"], "message_delay": 2, "link_success": 0.6, "faults": FAULTS}),
+    "all, late and lossy": (ALL, LOSSY | {"message_delay": 2, "faults": FAULTS}),
     "adds, late": (ADDS, {"robots": [1, 6], "topology": ["full", "scale-free"], "message_delay": [2, 7]}),
     "adds, late, 260": (ADDS, {"robots": 260, "rounds": 5, "topology": ["full", "ring"], "message_delay": 2}),
-    "adds, late and lossy": (ADDS,
-                             {"robots": 6, "topology": ["full", "line"], "link_success": 0.6, "message_delay": 3}),
+    "adds, late and lossy": (ADDS, LOSSY | {"robots": 6, "message_delay": 3}),
     "adds, late and failing": (ADDS, {"robots": 6, "topology": ["full", "ring"], "faults": FAULTS, "message_delay": 1}),
     "mixed, late": (ALL, {"robots": 7, "topology": ["full", "ring"], "members": SOME, "message_delay": 2}),
     "mixed": (ALL, {"robots": 7, "topology": ["full", "ring", "scale-free"], "members": SOME}),

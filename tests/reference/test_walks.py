@@ -19,8 +19,7 @@ from tests.support.steering import WANTS, steered_in
 from tests.support.trials import record_ride
 
 # ---- bodies
-
-
+KEEN = {"proximity_range": 0.3, "proximity_near": 0.1, "avoid_within": 60.0, "avoid_above": 0.05}
 BODIES = {
     "default": ({}, 6, 8.0, 25),
     "alone": ({}, 1, 20.0, 30),
@@ -28,15 +27,13 @@ BODIES = {
     "blind radio": ({"line_of_sight": False, "wheel_lag": 0.6, "tile": 0.03, "sensor": (-0.02, 0.03)}, 7, 30.0, 12),
     "fast": ({"speed": 0.9, "turn_speed": 0.3, "radio_range": 0.5, "straight_mean": 5.0}, 5, 5.0, 20),
     "stuck": ({"turn_speed": 0.0005, "straight_mean": 100.0}, 3, 35.0, 75),
-    "keen eyes": (
-                  {"proximity_range": 0.3, "proximity_near": 0.1, "avoid_within": 60.0, "avoid_above": 0.05},
-                  5, 20.0, 15),
+    "keen eyes": (KEEN, 5, 20.0, 15),
     "eyes all round": ({"avoid_within": 180.0}, 9, 30.0, 20),
     "lazy": ({"turn_most": 0, "straight_mean": 1.0}, 3, 6.0, 15),
     "leaping": ({"speed": 9.0, "straight_mean": 60.0}, 9, 45.0, 8),
     "many": ({}, 50, 20.0, 2),
     "many, far apart": ({"speed": 0.9}, 60, 2.0, 5),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -45,9 +42,8 @@ def test_robots_walk_as_in_the_reference(name):
     changes, robots, density, ticks = BODIES[name]
     body, trial, key = Body(**changes), 2, address(SEED, "walk", name=name)
     side = math.sqrt(robots * math.pi * body.radio_range**2 / density)
-    lame = np.full((3, robots), 1 << 62)
+    lame, stands = np.full((3, robots), 1 << 62), [[(7, 1 << 62)], *([] for _ in range(robots - 1))]
     lame[0, 0] = 7
-    stands = [[(7, 1 << 62)], *([] for _ in range(robots - 1))]
     chunks = list(Walk(robots, side, body, key, trial, GO, poses=True, stops=lame).chunks(ticks))
     swarm = reference_walks.placed(robots, side, body, key, trial)
     if robots > 48:  # numbered by strips as wide as robots reach, and from left to right within
@@ -69,8 +65,6 @@ def test_robots_walk_as_in_the_reference(name):
 
 
 # ---- states
-
-
 MOVES = [
     {},
     {"robots": 1, "density": 2.0},
@@ -93,25 +87,22 @@ def test_swarms_that_move_live_the_life_of_the_reference(case):
 def same_life(setting, trial):
     ride = record_ride(setting, SEED, trial)
     life = reference_walks.lives(setting, SEED, trial, failing(setting, trial))
-    poses = [life.begin, *(now.poses for now in life.ticks)]
-    assert ride.poses == pytest.approx(np.array(poses), abs=1e-9)
+    assert ride.poses == pytest.approx(np.array([life.begin, *(now.poses for now in life.ticks)]), abs=1e-9)
     assert (ride.looked[1:] == np.array([now.looked for now in life.ticks])).all()
     assert not ride.looked[0].any()
     assert (ride.colours[1:] == np.array(life.colours)).all()
     assert np.array_equal(ride.readings[1:], np.array(life.readings), equal_nan=True)
     assert np.isnan(ride.readings[0]).all()
     assert np.isnan(ride.colours[0]).all()
-    links = [
-        (k, i, j) for k, now in enumerate(life.ticks, 1) for i, heard in enumerate(now.heard) for j in heard if i < j
-    ]
+    hears = [(k, i, heard) for k, now in enumerate(life.ticks, 1) for i, heard in enumerate(now.heard)]
+    links = [(k, i, j) for k, i, heard in hears for j in heard if i < j]
     assert ride.links.tolist() == [list(link) for link in links]
     assert (ride.estimates == np.array(life.estimates)).all()
     told = [reference.fill_ratio_in(setting, tick) for tick in range(1, setting.rounds + 1)]
     (batch,) = run_ride([setting], SEED, trial, Metrics(0.02, 5, (2, 99)), GO)  # test_recorded.py compares all of it
-    truths = np.array([told[0], *told])
     index = metrics.convergence(ride.estimates, 0.02)
-    assert (batch.error[0] == metrics.error_at(ride.estimates, index, truths[-1])).all()
-    assert batch.correct[0, 0] == metrics.correct(ride.estimates[2], truths[2], 5)
+    assert (batch.error[0] == metrics.error_at(ride.estimates, index, told[-1])).all()
+    assert batch.correct[0, 0] == metrics.correct(ride.estimates[2], told[1], 5)
     assert np.isnan(batch.correct[1]).all()
     if trial == 0:
         assert run_ride([setting], SEED, trial, Metrics(0.02, 5, ()), np.ones(1, np.uint8)) is None
@@ -123,16 +114,10 @@ def folder(tmp_path_factory):
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("want", "body"),
-    [(want, {}) for want in ("NEVER", "ABSURD", "CIRCLE", "STRAIGHT", "SEEN")]
-    + [
-        ("CIRCLE", {"speed": 0.0}),
-        ("CIRCLE", {"turn_speed": 0.0}),
-        ("STRAIGHT", {"turn_speed": 0.0}),
-        ("SPIN", {"speed": 0.0}),
-    ],
-)
+@pytest.mark.parametrize(("want", "body"), [
+    *((want, {}) for want in ("NEVER", "ABSURD", "CIRCLE", "STRAIGHT", "SEEN")), ("CIRCLE", {"speed": 0.0}),
+    ("CIRCLE", {"turn_speed": 0.0}), ("STRAIGHT", {"turn_speed": 0.0}), ("SPIN", {"speed": 0.0}),
+])  # fmt: skip
 def test_swarms_that_steer_live_the_life_of_the_reference(want, body, folder, monkeypatch):
     """With a fault of their wheels, wheels that cannot do all, and a floor painted beforehand or as they go."""
     setting = moving_of(
@@ -143,10 +128,8 @@ def test_swarms_that_steer_live_the_life_of_the_reference(want, body, folder, mo
     if want == "SEEN":
         changes = {"from": 0.3, "to": 0.8, "at": 3, "until": 9}
         for change in (changes, changes | {"from": 0.9}, {"from": 0.9, "to": 0.1, "at": 5}):
-            for accuracy in (
-                {"black": 0.8, "white": WANTS[want]},
-                {"start": WANTS[want], "drift": -0.02, "least": 0.1},
-            ):
+            drifting = {"start": WANTS[want], "drift": -0.02, "least": 0.1}
+            for accuracy in ({"black": 0.8, "white": WANTS[want]}, drifting):
                 brain = str(folder / "steered.py")
                 same_life(moving_of(brain=brain, ticks=12, fill_ratio=change, accuracy=accuracy), 0)
         monkeypatch.setattr("swarmcensus.simulation.rides.MOST_TILES", 0)
@@ -154,8 +137,8 @@ def test_swarms_that_steer_live_the_life_of_the_reference(want, body, folder, mo
 
 
 def test_settings_that_share_a_walk_are_lived_together():
-    settings = [moving_of(accuracy=a, fill_ratio=f, brain=brain) for a, f, brain in
-                ((0.7, 0.55, "minimalistic"), (0.9, 0.55, "legacy"), (0.7, 0.2, "minimalistic"))]  # fmt: skip
+    rows = ((0.7, 0.55, "minimalistic"), (0.9, 0.55, "legacy"), (0.7, 0.2, "minimalistic"))
+    settings = [moving_of(accuracy=a, fill_ratio=f, brain=brain) for a, f, brain in rows]
     measure = Metrics(0.02, 5, (3,))
     together = run_ride(settings, SEED, 1, measure, GO)
     for setting, batch in zip(settings, together, strict=True):

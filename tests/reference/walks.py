@@ -113,8 +113,7 @@ def clamp(place: complex, limit: float) -> complex:
 def push_apart(swarm: list[Robot], limit: float, radius: float) -> int:
     """Overlapping pairs part by halves, in turn, until less than a micrometre is left, or less of small bodies.
 
-    Returns how often each pair was looked at. From the 101st time on they part aslant, which bends rows that are
-    jammed along a wall.
+    Returns how often each pair was looked at. From the 101st time on they part aslant, which bends jammed rows.
     """
     for sweep in range(1, 401):
         worst = 0.0
@@ -190,20 +189,20 @@ def step(
         me.place = clamp(me.place, limit)
     push_apart(swarm, limit, body.radius)
     sensors = [me.place + me.heading * complex(*body.sensor) for me in swarm]
-    return Tick(
-        [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm],
-        looked,
-        [(math.floor(s.real / body.tile), math.floor(s.imag / body.tile)) for s in sensors],
-        audible(swarm, body),
-    )
+    tiles = [(math.floor(s.real / body.tile), math.floor(s.imag / body.tile)) for s in sensors]
+    return Tick(poses(swarm), looked, tiles, audible(swarm, body))
+
+
+def poses(swarm: list[Robot]) -> list[tuple[float, float, float]]:
+    """Places and headings."""
+    return [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
 
 
 def command(
     me: object, steer: Callable[[object], tuple[float, float] | None], body: Body
 ) -> tuple[float, float] | None:
     """What a state wants, as metres and radians a tick that its wheels can do."""
-    wanted = steer(me)
-    if wanted is None:
+    if (wanted := steer(me)) is None:
         return None
     most = body.speed, 2 * body.turn_speed / body.wheel_distance
     load = sum(abs(x) / m if m else math.inf for x, m in zip(wanted, most, strict=True) if x)
@@ -228,25 +227,20 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
     assert body is not None
     assert setting.density is not None
     side = math.sqrt(n * math.pi * body.radio_range**2 / setting.density)
-    walk, floor, reads = (
-        addresses.walk_key(setting, seed),
-        addresses.floor_key(setting, seed),
-        addresses.readings_key(setting, seed),
-    )
+    walk, floor = addresses.walk_key(setting, seed), addresses.floor_key(setting, seed)
+    reads = addresses.readings_key(setting, seed)
     b, w = (np.broadcast_to(side_of[0], n) for side_of in sampling.accuracies(setting, seed, trial, 1)[:2])
     who = sampling.groups(setting, seed, trial, 1)[0] if setting.members else [0] * n
     swarm, states = placed(n, side, body, walk, trial), States(setting, seed, trial, failed)
-    begin = [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
-    out = Life(begin, [], [], [], states.estimates, states)
+    out = Life(poses(swarm), [], [], [], states.estimates, states)
     wants: list[tuple[float, float] | None] = [None] * n
     for tick in range(1, setting.rounds + 1):
         now = step(swarm, side, body, walk, trial, tick, failed.moving, wants)
         black = [tile_unit(floor, trial, 0, *tile)[0] < fill_ratio_in(setting, tick) for tile in now.tiles]
         read = []
         for i in range(n):
-            right = unit(robots_word(reads, trial, tick, i)) < accuracy_in(
-                setting, who[i], b[i] if black[i] else w[i], tick
-            )
+            best = accuracy_in(setting, who[i], b[i] if black[i] else w[i], tick)
+            right = unit(robots_word(reads, trial, tick, i)) < best
             able = now.looked[i] and works(failed.sensing[i], tick)
             read.append(float(black[i] == right) if able else math.nan)
         states.live(tick, read, 1, now.heard, body.message_delay)

@@ -41,9 +41,8 @@ def chains(chance, p, correlation, readings):
 
 def parts_of(seen):
     changes = np.count_nonzero(np.diff(seen.astype(np.int8), axis=1), axis=1)
-    return [
-        Part(k, "black", row.size, int(row.sum()), int(c)) for k, (row, c) in enumerate(zip(seen, changes, strict=True))
-    ]
+    pairs = enumerate(zip(seen, changes, strict=True))
+    return [Part(k, "black", row.size, int(row.sum()), int(c)) for k, (row, c) in pairs]
 
 
 @pytest.mark.parametrize("correlation", [0.3, 0.7])
@@ -62,10 +61,9 @@ def test_dependent_readings_count_as_fewer(correlation):
 
 
 @pytest.mark.long(but_every=3)
-@pytest.mark.parametrize(
-    ("robots", "readings", "spread"),
-    [(20, 1000, 0.005), (10, 1000, 0.01), (5, 1000, 0.01), (20, 200, 0.02), (20, 1000, 0.0)],
-)
+@pytest.mark.parametrize(("robots", "readings", "spread"), [
+    (20, 1000, 0.005), (10, 1000, 0.01), (5, 1000, 0.01), (20, 200, 0.02), (20, 1000, 0.0),
+])  # fmt: skip
 def test_intervals_of_drawn_shares_cover_each_robots_own(robots, readings, spread):
     """Over robots of 1,500 calibrations; the standard error over calibrations is 0.3 %."""
     chance, found = np.random.default_rng(8), []

@@ -1,7 +1,6 @@
 """A comparison tells equal contenders apart in at most 5 % of tables, unequal ones as often as theory says.
 
-Seeds are fixed. Where a share is held against a number, a right program would fail with another seed in less than one
-case of 1,000: the bounds are binomial quantiles.
+Bounds of shares are binomial quantiles: with another seed a right program would fail in less than one case of 1,000.
 """
 
 import functools
@@ -52,21 +51,11 @@ def judged(numbers, statistic="median"):
 
 
 @pytest.mark.long(but=["continuous-(1, 1, 2, 6)"])
-@pytest.mark.parametrize(
-    ("kind", "shape"),
-    [
-        ("continuous", (1, 1, 2, 6)),
-        ("continuous", (3, 1, 2, 10)),
-        ("continuous", (1, 2, 5, 30)),
-        ("tied", (3, 2, 2, 6)),
-        ("tied", (2, 3, 5, 10)),
-        ("tied", (2, 1, 5, 30)),
-        ("heavy", (1, 4, 2, 30)),
-        ("heavy", (2, 1, 5, 10)),
-        ("heavy", (1, 1, 5, 6)),
-    ],
-    ids=str,
-)
+@pytest.mark.parametrize(("kind", "shape"), [
+    ("continuous", (1, 1, 2, 6)), ("continuous", (3, 1, 2, 10)), ("continuous", (1, 2, 5, 30)),
+    ("tied", (3, 2, 2, 6)), ("tied", (2, 3, 5, 10)), ("tied", (2, 1, 5, 30)), ("heavy", (1, 4, 2, 30)),
+    ("heavy", (2, 1, 5, 10)), ("heavy", (1, 1, 5, 6)),
+], ids=str)  # fmt: skip
 def test_false_alarms_of_equal_contenders(kind, shape):
     random = np.random.default_rng(7)
     alarms = uncorrected = 0
@@ -107,15 +96,12 @@ def power(off, trials, tables=20_000):
     return told.mean()
 
 
-def within(share, expected, tries=20_000):
-    return abs(share - expected) < 3.3 * math.sqrt(expected * (1 - expected) / tries)
-
-
 @pytest.mark.long(but=["1.0"])
 @pytest.mark.parametrize("off", [0.5, 1.0, 1.5])
 def test_power_of_six_trials(off):
     side = stats.norm.cdf(off)
-    assert within(power(off, 6), side**6 + (1 - side) ** 6)
+    expected = side**6 + (1 - side) ** 6
+    assert abs(power(off, 6) - expected) < 3.3 * math.sqrt(expected * (1 - expected) / 20_000)
 
 
 @pytest.mark.long(only=["0.9-15"])
@@ -194,8 +180,7 @@ TRUTH = {
 @pytest.mark.parametrize("kind", DRAWN)
 def test_intervals_hold_the_truth(kind, trials, statistic):
     rows = 2000
-    values = DRAWN[kind](np.random.default_rng(11), (rows, trials))
-    low, high = intervals(values, statistic)
+    low, high = intervals(DRAWN[kind](np.random.default_rng(11), (rows, trials)), statistic)
     truth = TRUTH[statistic][kind]
     held = ((low <= truth) & (truth <= high)).mean()
     least = 0.95 if statistic == "median" else 0.94 if kind in ("normal", "heavy") else 0.9  # of skewed ones the least
@@ -234,8 +219,6 @@ def test_independent_samples_of_unequal_spread(sizes):
 
 
 # ---- intervals hold the truth as often as they say, also where a rule ends
-
-
 def right(share):
     """Trials in which all robots are right, or none."""
     return lambda rng, trials: (rng.random((trials, 1)) < share).astype(float)
@@ -256,18 +239,15 @@ def normals(rng, trials):
 
 
 @pytest.mark.long(but_every=3)
-@pytest.mark.parametrize(
-    ("rule", "draw", "truth", "at_least", "times"),
-    [
-        ("correct@9 mean +- 0.05", right(0.95), 0.95, 30, 1000),
-        ("correct@9 mean +- 0.02", right(0.99), 0.99, 30, 1000),
-        ("correct@9 mean +- 0.09", right(0.5), 0.5, 30, 1000),
-        ("correct@9 mean +- 0.02", correlated(0.95), 0.95, 30, 1000),
-        ("final_estimate mean +- 0.47", normals, 0.0, 6, 4000),
-        ("convergence_error mean +- 0.12", errors, np.exp(1 / 8), 30, 1000),
-        ("convergence_error median +- 0.13", errors, 1.0, 30, 200),
-    ],
-)
+@pytest.mark.parametrize(("rule", "draw", "truth", "at_least", "times"), [
+    ("correct@9 mean +- 0.05", right(0.95), 0.95, 30, 1000),
+    ("correct@9 mean +- 0.02", right(0.99), 0.99, 30, 1000),
+    ("correct@9 mean +- 0.09", right(0.5), 0.5, 30, 1000),
+    ("correct@9 mean +- 0.02", correlated(0.95), 0.95, 30, 1000),
+    ("final_estimate mean +- 0.47", normals, 0.0, 6, 4000),
+    ("convergence_error mean +- 0.12", errors, np.exp(1 / 8), 30, 1000),
+    ("convergence_error median +- 0.13", errors, 1.0, 30, 200),
+])  # fmt: skip
 def test_the_interval_at_which_a_rule_ends(rule, draw, truth, at_least, times):
     """At least 95 % hold the truth: a rule that is so good fails in one of 10,000 seeds, one of 90 % hardly passes."""
     rng = np.random.default_rng(8)
@@ -284,9 +264,9 @@ def test_the_interval_at_which_a_rule_ends(rule, draw, truth, at_least, times):
 
 @pytest.mark.long(but_every=2)
 @pytest.mark.parametrize("trials", [6, 30])
-@pytest.mark.parametrize(
-    ("draw", "statistic", "truth"), [(right(0.9), "share", 0.9), (errors, "median", 1.0), (normals, "mean", 0.0)]
-)
+@pytest.mark.parametrize(("draw", "statistic", "truth"), [
+    (right(0.9), "share", 0.9), (errors, "median", 1.0), (normals, "mean", 0.0),
+])  # fmt: skip
 def test_the_interval_of_so_many_trials(draw, statistic, truth, trials):
     rng = np.random.default_rng(9)
     hits = 0
@@ -298,8 +278,6 @@ def test_the_interval_of_so_many_trials(draw, statistic, truth, trials):
 
 
 # ---- noise does not fool the evidence of a tuned brain
-
-
 @pytest.mark.long
 def test_false_alarms_of_tuning(tmp_path):
     """A parameter makes other errors of the same distribution: called better in 13 of 100 studies at the most.

@@ -60,17 +60,14 @@ def test_a_calls_numbers_are_uniform_and_independent(trials, name):
     beside = [(values[:, i], values[:, j]) for i, j in combinations(range(ROBOTS), 2)]
     assert 0.0 < values.min() < values.max() < 1.0
     found = {
-        "all bits": uniform(values),
-        "the other bits": uniform(values * 2.0**20 % 1.0),
-        "another call": together(values, other),
+        "all bits": uniform(values), "the other bits": uniform(values * 2.0**20 % 1.0),
+        "another call": together(values, other), "another trial": together(values, second[name]),
         "other robots": together(*map(np.concatenate, zip(*beside[::5], strict=True))),
         "the next robot in another call": together(values[:, 0::2], other[:, 1::2]),
-        "another trial": together(values, second[name]),
         "own readings": apart(values, blacks),
         "a neighbour's readings": apart(values, blacks[:, [1, 0, 3, 2, 5, 4]]),
-        "readings before": apart(values[1:], blacks[:-1]),
-        "readings after": apart(values[:-1], blacks[1:]),
-    }
+        "readings before": apart(values[1:], blacks[:-1]), "readings after": apart(values[:-1], blacks[1:]),
+    }  # fmt: skip
     for lag in (1, 2, 7):
         found[f"{lag} rounds before"] = together(values[:-lag], values[lag:])
         found[f"another call {lag} rounds before"] = together(other[:-lag], values[lag:])
@@ -96,16 +93,12 @@ def test_all_purposes_are_independent():
 
 def test_a_random_choice_is_fair():
     """One of eight neighbours kept by lot, whatever their number and order: chi-square of who, 0.02 %."""
+    hears = "message):\n    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n        me.kept = message[0]"
     kept = changed(
         ("MEMORY = {", 'MEMORY = {"heard": 0.0, "kept": -1.0, "last": -1.0, '),
-        ("return (estimate(me),)", "return (me.name,)"),
-        (
-            "def receive(me, message):\n    pass",
-            "def receive(me, message):\n    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n"
-            "        me.kept = message[0]",
-        ),
+        ("return (estimate(me),)", "return (me.name,)"), ("message):\n    pass", hears),
         ("def fuse(me):\n    pass", "def fuse(me):\n    me.last = me.kept\n    me.heard = 0.0"),
-    )
+    )  # fmt: skip
     (setting,) = fixed(brain(kept), robots=9, rounds=2000, topology="full")
     fields, *_ = record_trial(setting, SEED, 0)
     for robot in (0, 5):
@@ -118,11 +111,8 @@ def test_a_random_choice_is_fair():
 @pytest.mark.parametrize("topology", ["line", "full"])
 def test_losses_are_independent_of_draws(topology):
     """Which messages get through depends on the same addresses, under another key: 0.08 % in all."""
-    ears = changed(
-        ("me.heard = me.luck", "me.heard = me.luck\n    me.ears += 1.0"),
-        ("MEMORY = {", 'MEMORY = {"ears": 0.0, '),
-        source=RANDOM,
-    )
+    counts = ("me.heard = me.luck", "me.heard = me.luck\n    me.ears += 1.0")
+    ears = changed(counts, ("MEMORY = {", 'MEMORY = {"ears": 0.0, '), source=RANDOM)
     (setting,) = fixed(brain(ears), robots=2, rounds=6000, topology=topology, link_success=0.5)
     fields, *_ = record_trial(setting, SEED, 0)
     heard = np.diff(fields["ears"], axis=0)

@@ -14,28 +14,17 @@ from swarmcensus.worlds.bodies import Body
 
 TRIALS, ROBOTS, TICKS = 20, 25, 10_000
 MEASURED = {
-    "displacement per tick, cm": (0.712, 0.05),
-    "mean squared displacement, 10 ticks": (0.0063, 0.05),
-    "mean squared displacement, 100 ticks": (0.284, 0.05),
-    "mean squared displacement, 1000 ticks": (3.02, 0.05),
-    "heading autocorrelation, 1 tick": (0.990, 0.05),
-    "heading autocorrelation, 10 ticks": (0.647, 0.05),
+    "displacement per tick, cm": (0.712, 0.05), "mean squared displacement, 10 ticks": (0.0063, 0.05),
+    "mean squared displacement, 100 ticks": (0.284, 0.05), "mean squared displacement, 1000 ticks": (3.02, 0.05),
+    "heading autocorrelation, 1 tick": (0.990, 0.05), "heading autocorrelation, 10 ticks": (0.647, 0.05),
     "heading autocorrelation, 30 ticks": (0.295, 0.05),
-    "ticks avoiding": (0.028, 0.15),
-    "length of a bout": (2.65, 0.05),
-    "bouts per robot and 1000 ticks": (10.6, 0.15),
-    "neighbours": (0.869, 0.05),
-    "P(0 neighbours)": (0.405, 0.05),
-    "P(1 neighbour)": (0.380, 0.05),
-    "P(2 neighbours)": (0.164, 0.05),
-    "P(3 neighbours)": (0.043, 0.15),
-    "episode without neighbours": (115, 0.05),
-    "episode with neighbours": (168, 0.05),
-    "distinct tiles per observation": (0.868, 0.05),
-    "same tile twice running": (0.039, 0.05),
-    "colour autocorrelation, lag 1": (0.039, 0.05),
-    "colour autocorrelation, lag 2": (0.008, 0.15),
-}
+    "ticks avoiding": (0.028, 0.15), "length of a bout": (2.65, 0.05), "bouts per robot and 1000 ticks": (10.6, 0.15),
+    "neighbours": (0.869, 0.05), "P(0 neighbours)": (0.405, 0.05), "P(1 neighbour)": (0.380, 0.05),
+    "P(2 neighbours)": (0.164, 0.05), "P(3 neighbours)": (0.043, 0.15),
+    "episode without neighbours": (115, 0.05), "episode with neighbours": (168, 0.05),
+    "distinct tiles per observation": (0.868, 0.05), "same tile twice running": (0.039, 0.05),
+    "colour autocorrelation, lag 1": (0.039, 0.05), "colour autocorrelation, lag 2": (0.008, 0.15),
+}  # fmt: skip
 
 
 def bouts(flags):

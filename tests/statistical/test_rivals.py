@@ -36,8 +36,7 @@ def test_lots_are_fair(brain, names):
     lowest, four = np.zeros(9), dict.fromkeys(combinations(range(9), 4), 0)
     for salt in np.random.default_rng(11).random(5000):
         me.salt = float(salt)
-        lots = [used.functions.drawn(me, float(name), float(name % 2)) for name in names]
-        order = np.argsort(lots)
+        order = np.argsort([used.functions.drawn(me, float(name), float(name % 2)) for name in names])
         lowest[order[0]] += 1
         four[tuple(sorted(order[:4].tolist()))] += 1
     assert stats.chisquare(lowest).pvalue > P
@@ -82,8 +81,7 @@ def test_the_voters_exit_probability_is_the_first_share(share):
     trials = 1500
     last = run("voter", trials, black_first=share, **UNWEIGHTED)["decision"].values
     assert (last.min(axis=1) == last.max(axis=1)).mean() > 0.99
-    black = int((last.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, trials, share).pvalue > P
+    assert stats.binomtest(int((last.mean(axis=1) > 0.5).sum()), trials, share).pvalue > P
 
 
 def mean_of(time):
@@ -143,8 +141,6 @@ def test_cross_inhibition_breaks_the_deadlock():
 
 
 # ---- consensus rivals and filters at the level of distributions, against theory; each test states its error rate
-
-
 PLACES = brains.load("linear-consensus").functions
 LEVEL = 1e-3
 
@@ -173,8 +169,7 @@ def test_consensus_and_innovations_scatter_as_computed():
 
     With a covariance of no talk, or of all readings pooled in every robot, it is far off.
     """
-    used = brains.load("consensus-innovations")
-    found, _ = finals(used, trials=400, rounds=60, looks=20)
+    found, _ = finals(brains.load("consensus-innovations"), trials=400, rounds=60, looks=20)
     off = found - 0.4
     law = stats.chi2(off.size)
 
@@ -192,8 +187,7 @@ def test_consensus_and_innovations_scatter_as_computed():
 
 def kept_of(names, order, draws):
     """Which 20 of these names are kept, and which comes first, by `order(name, salt)` in many draws (draw, name)."""
-    random = np.random.default_rng(SEED)
-    salts = np.floor(random.random(draws) * PLACES.PRIME)
+    salts = np.floor(np.random.default_rng(SEED).random(draws) * PLACES.PRIME)
     places = np.array([[order(float(name), float(salt)) for name in names] for salt in salts])
     return places.argsort(axis=1).argsort(axis=1) < 20, places.argmin(axis=1)
 
@@ -228,8 +222,6 @@ def test_who_counts_of_many_is_a_fair_lot(names):
 
 
 # ---- the Bayesian rivals' chances: false alarms and delays of the detector, soft feedback's lots, what feedback gains
-
-
 CHANGING = brains.load("changing-floor")
 ALARM = 4.05  # between two values that the sums can take: rounding then decides nothing
 RUNS = 400

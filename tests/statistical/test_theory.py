@@ -30,11 +30,10 @@ def chi_square(found, expected):
     return stats.chisquare(pooled[0], pooled[1]).pvalue
 
 
-@pytest.mark.parametrize(
-    ("t", "b", "w", "f"),
-    [(1, 0.675, 0.675, 0.55), (10, 0.525, 0.525, 0.55), (10, 0.975, 0.975, 0.95), (10, 0.9, 0.6, 0.3),
-     (15, 1.0, 1.0, 0.55), (37, 0.7, 0.7, 0.55), (10, 0.3, 0.4, 0.8), (100, 0.75, 0.75, 0.05)],
-)  # fmt: skip
+@pytest.mark.parametrize(("t", "b", "w", "f"), [
+    (1, 0.675, 0.675, 0.55), (10, 0.525, 0.525, 0.55), (10, 0.975, 0.975, 0.95), (10, 0.9, 0.6, 0.3),
+    (15, 1.0, 1.0, 0.55), (37, 0.7, 0.7, 0.55), (10, 0.3, 0.4, 0.8), (100, 0.75, 0.75, 0.05),
+])  # fmt: skip
 def test_exact_distribution_of_the_local_estimator(t, b, w, f):
     """Binomial pushed through Eq. 4: chi-square over the estimates that can occur, error rate 0.1 %."""
     sensor = {"black": b, "white": w}
@@ -98,24 +97,18 @@ def test_readings_of_rounds_and_robots_are_independent():
 
 
 # ---- the bounds on both ends, and robots that mend their sensors, at the level of distributions
-
-
 @pytest.mark.long(but=["ring"])
 @pytest.mark.parametrize("topology", ["ring", "scale-free"])
 def test_the_oracles_error_is_as_small_as_can_be(topology):
     """The Cramer-Rao bound 1 / sqrt(sum I), sensors unequal: chi-square of the variance and z of the mean.
 
-    Two-sided at 0.05 % each, so 0.1 % for both. With 3,000 readings the estimate is normal, its variance at the bound,
-    to far less than what 400 trials tell.
+    Two-sided at 0.05 % each, so 0.1 % for both; of 3,000 readings the estimate is as good as normal, at the bound.
     """
     trials, robots, rounds, f = 400, 20, 150, 0.4
-    rng = np.random.default_rng(1)
-    b = w = rng.uniform(0.55, 0.95, robots)
+    b = w = np.random.default_rng(1).uniform(0.55, 0.95, robots)
     members = [{"robots": 1, "accuracy": float(one)} for one in b[1:]]
-    study = study_of(
-        "oracle", robots=robots, accuracy=float(b[0]), assumed_accuracy=0.9, rounds=rounds, looks=1, trials=trials,
-        seed=12, members=members, topology=topology, fill_ratio=f, link_success=0.5,
-    )  # fmt: skip
+    world = {"members": members, "topology": topology, "fill_ratio": f, "link_success": 0.5, "assumed_accuracy": 0.9}
+    study = study_of("oracle", robots, float(b[0]), rounds, looks=1, trials=trials, seed=12, **world)
     final = sc.run(study)["final_estimate"].values[0, :, 0]
     p = b * f + (1 - w) * (1 - f)
     bound = 1 / (rounds * ((b + w - 1) ** 2 / (p * (1 - p))).sum())
@@ -147,8 +140,6 @@ def test_bayes_cpf_follows_sensors_worse_than_assumed():
 
 
 # ---- readings of floors that change and of sensors that drift, at the level of distributions, against theory
-
-
 SWITCH = {"from": 0.9, "to": 0.2, "at": 13}
 SLOW = {"from": 0.1, "to": 0.7, "at": 6, "until": 25}
 WEARS = {"start": 0.9, "drift": -0.02, "least": 0.6}
@@ -173,9 +164,8 @@ def of_sensors(accuracy, k):
 
 
 def setting_of(change, accuracy):
-    (setting,) = settings_of(
-        40, accuracy=accuracy, looks=10, rounds=ROUNDS, trials=100, seed=17, topology="line", fill_ratio=change
-    )
+    world = {"topology": "line", "fill_ratio": change}
+    (setting,) = settings_of(40, accuracy=accuracy, looks=10, rounds=ROUNDS, trials=100, seed=17, **world)
     return setting
 
 

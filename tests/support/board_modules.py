@@ -188,8 +188,5 @@ class ESPNow:
                 pass
         return None, None
 """
-ON_LOOPBACK = {
-    "machine.py": LOOPBACK_MACHINE,
-    "espnow.py": LOOPBACK_NOW,
-    "network.py": FAKE_NETWORK,
-}  # between processes
+# between processes
+ON_LOOPBACK = {"machine.py": LOOPBACK_MACHINE, "espnow.py": LOOPBACK_NOW, "network.py": FAKE_NETWORK}

@@ -14,6 +14,7 @@ PRIORS = (np.nan, 1.0, 10.0, np.nan)
 SENT = (500, 250, 250, 25)  # messages, roughly
 BYTES = (8, 16, 16, 1)
 MEMORY = (48, 60, 60, 8)
+SAME = {"robots": 5, "fill_ratio": 0.55, "accuracy": "0.7", "assumed_accuracy": "0.7", "rounds": 500}
 
 
 def made_up(brains=4, worlds=("ring", "full"), trials=20, robots=5, gap=0.0, seed=1):
@@ -45,23 +46,13 @@ def made_up(brains=4, worlds=("ring", "full"), trials=20, robots=5, gap=0.0, see
             "decision": (ROBOT, random.integers(-1, 2, shape).astype(float)),
             "consensus_right": (("setting", "trial"), (random.uniform(size=(settings, trials)) < 0.7).astype(float)),
             "consensus_round": (("setting", "trial"), when),
-            "message_bytes": tiled(BYTES),
-            "memory_bytes": tiled(MEMORY),
-            "anonymous": tiled((1, 1, 1, 1)),
+            "message_bytes": tiled(BYTES), "memory_bytes": tiled(MEMORY), "anonymous": tiled((1, 1, 1, 1)),
         },
         {
-            "setting": np.arange(settings),
-            "trial": np.arange(trials),
-            "robot": np.arange(robots),
-            "checkpoint": [500],
-            "brain": tiled(BRAINS),
-            "prior": tiled(PRIORS),
+            "setting": np.arange(settings), "trial": np.arange(trials), "robot": np.arange(robots),
+            "checkpoint": [500], "brain": tiled(BRAINS), "prior": tiled(PRIORS),
             "topology": ("setting", np.repeat(worlds, brains)),
-            "robots": ("setting", np.full(settings, robots)),
-            "fill_ratio": ("setting", np.full(settings, 0.55)),
-            "accuracy": ("setting", np.full(settings, "0.7")),
-            "assumed_accuracy": ("setting", np.full(settings, "0.7")),
-            "rounds": ("setting", np.full(settings, 500)),
+            **{name: ("setting", np.full(settings, value)) for name, value in (SAME | {"robots": robots}).items()},
         },
         {
             "title": "made up", "truth": "nominal", "bins": 10, "delta": 0.01, "seed": 1,

@@ -29,9 +29,8 @@ class Swarm:
         folder.mkdir(exist_ok=True)
         self.links = reference.hearers(setting, None, trial)
         self.keys = addresses.losses_key(setting, seed), addresses.draw_keys(setting, seed)
-        _, _, self.b, self.w = (
-            np.broadcast_to(side[0], setting.robots) for side in sampling.accuracies(setting, seed, trial, 1)
-        )
+        sides = sampling.accuracies(setting, seed, trial, 1)
+        _, _, self.b, self.w = (np.broadcast_to(side[0], setting.robots) for side in sides)
         looks = setting.observations_per_round
         self.readings = record_readings(setting, seed, trial).reshape(setting.rounds, looks, setting.robots)
         crew = [
@@ -95,8 +94,7 @@ class Swarm:
         alive = [i for i, robot in enumerate(self.robots) if robot is not None]
         for i in alive:
             robot, body = self.robots[i], self.bodies[i]
-            looks = [bool(x) for x in self.readings[self.tick - 1, :, i] if not np.isnan(x)]
-            body.looks, body.sent = looks, []
+            body.looks, body.sent = [bool(x) for x in self.readings[self.tick - 1, :, i] if not np.isnan(x)], []
             self.lots[i][:] = self._own(i, DRAW_OBSERVE)
             robot.speak()
             if robot.log.read[1] and self.lies(i, self.tick):

@@ -66,9 +66,5 @@ POINTS = [0.001 * k for k in range(1, 20_000)]
 
 
 # walks are chaotic: whether they are those of the docs depends on the last bits of what the C library computes
-OUR_C_LIBRARY = (
-    hashlib.sha256(np.array([[f(x) for f in (math.sin, math.cos, math.log)] for x in POINTS]).tobytes()).hexdigest()[
-        :16
-    ]
-    == "e7a65513f63370a7"
-)
+VALUES = np.array([[f(x) for f in (math.sin, math.cos, math.log)] for x in POINTS])
+OUR_C_LIBRARY = hashlib.sha256(VALUES.tobytes()).hexdigest().startswith("e7a65513f63370a7")

@@ -38,7 +38,6 @@ def differences(card, study: sc.Study, trials=3, first=2) -> list[str]:
             except sc.InputError:  # with drawn parameters a brain may fail, and has no numbers to compare
                 continue
             theirs = card.run_batch(*given)
-            found += [
-                f"{setting}{' alone' * local}: {name}" for name in collecting.differences(setting, ours, theirs, local)
-            ]
+            names = collecting.differences(setting, ours, theirs, local)
+            found += [f"{setting}{' alone' * local}: {name}" for name in names]
     return found

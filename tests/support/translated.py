@@ -50,8 +50,7 @@ def compiled(folder, program, *options):
     (folder / "program.c").write_text(program)
     flags = ("-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
     out = folder / "program"
-    done = subprocess.run(
-        ["gcc", *flags, *options, "-o", str(out), str(folder / "program.c"), "-lm"], capture_output=True, text=True
-    )
+    words = ["gcc", *flags, *options, "-o", str(out), str(folder / "program.c"), "-lm"]
+    done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return subprocess.run([str(out)], capture_output=True, text=True, check=True).stdout

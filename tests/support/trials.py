@@ -22,9 +22,8 @@ def record_ride(setting, seed, trial):
     """The same of robots that move, with where they are and what they see."""
     trace = Stepped(setting, seed, trial)
     shown, rounds = trace.dataset(links=True), np.arange(trace.rounds + 1)
-    seen = {
-        name: shown[name].values for name in ("estimate", "position", "heading", "looked", "tile", "reading", "link")
-    }
+    names = ("estimate", "position", "heading", "looked", "tile", "reading", "link")
+    seen = {name: shown[name].values for name in names}
     return SimpleNamespace(
         fields=trace.states(0, trace.rounds + 1), estimates=seen["estimate"], looked=seen["looked"] == 1,
         poses=np.concatenate([seen["position"], seen["heading"][..., np.newaxis]], axis=2), colours=seen["tile"],

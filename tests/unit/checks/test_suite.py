@@ -102,7 +102,9 @@ def hears(text):
 
 
 CLIP = ("return me.n / me.t", "return min(me.n / me.t, 1.0)")
-FAULTS = [
+
+
+@pytest.mark.parametrize(("promise", "changes", "said"), [
     (NUMBERS, own("me.n += blacks * math.inf * 0.0"), r"observe \(line 9\) makes me.n NaN \(b = 0.0"),
     (NUMBERS, own("me.n = 1 << 1023"), r"observe \(line 9\) makes me.n a whole number too large for 8"),
     (NUMBERS, own("me.b = 0.9"), r"observe \(line 9\) sets me.b and me.w from \(0.0, 0.0\) to \(0.9"),
@@ -148,36 +150,23 @@ FAULTS = [
     (AT_ONCE, own("me.heard += me.luck < 0.9 ** looks"),
      "me.heard a number of mean .* of 10 readings at once, .* of the same in two"),
     (AT_ONCE, own("me.x += me.luck"), "me.x a number of mean"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("promise", "changes", "said"), FAULTS)
+])  # fmt: skip
 def test_faults_are_found(promise, changes, said, tmp_path):
     fault = fault_in(made(tmp_path / "bad.py", *changes), promise)
     assert fault
     assert re.search(said, fault)
 
 
-QUICK = {
-    "out of range": (
-        ("return me.n / me.t", "return 2.0 * me.n / me.t"),
-        "estimate (line 26) gives 2.0, not a number in",
-    ),
-    "endless": (
-        (FUSE, "def fuse(me):\n    while True:\n        pass\n"),
-        "keep the contract: fuse has run 300,000 lines in one call and has not returned",
-    ),
-    "changes": (
-        ("return (me.n,)", "me.n += 1.0\n    return (me.n,)"),
-        "breaks the contract: broadcast (line 14) changes me.n",
-    ),
-    "none": ((OWN, OWN), ""),
-}
+CHANGES = ("return (me.n,)", "me.n += 1.0\n    return (me.n,)")
 
 
-@pytest.mark.parametrize("fault", QUICK)
-def test_a_quick_check_finds_plain_faults_and_ends(fault, tmp_path):
-    change, said = QUICK[fault]
+@pytest.mark.parametrize(("change", "said"), [
+    (("return me.n / me.t", "return 2.0 * me.n / me.t"), "estimate (line 26) gives 2.0, not a number in"),
+    ((FUSE, "def fuse(me):\n    while True:\n        pass\n"),
+     "keep the contract: fuse has run 300,000 lines in one call and has not returned"),
+    (CHANGES, "breaks the contract: broadcast (line 14) changes me.n"), ((OWN, OWN), ""),
+], ids=["out of range", "endless", "changes", "none"])  # fmt: skip
+def test_a_quick_check_finds_plain_faults_and_ends(change, said, tmp_path):
     found = quick.quick_fault(brains.load(made(tmp_path / "bad.py", change)))
     assert said in found if said else not found
 
@@ -190,11 +179,10 @@ def test_a_quick_check_finds_nothing_wrong_in_shipped_brains():
 @pytest.mark.interpreted
 def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "cache"))
-    bad = made(tmp_path / "bad.py", QUICK["changes"][0], ('"""The mean', '"""Another mean'))
+    bad = made(tmp_path / "bad.py", CHANGES, ('"""The mean', '"""Another mean'))
     checked = []
-    monkeypatch.setattr(
-        quick, "quick_fault", lambda brain: checked.append(brain.name) or "breaks the contract: it is odd"
-    )
+    odd = "breaks the contract: it is odd"
+    monkeypatch.setattr(quick, "quick_fault", lambda brain: checked.append(brain.name) or odd)
     monkeypatch.setattr(quick, "in_background", lambda work, **_: work)
     for _ in range(2):
         quick._caution.cache_clear()
@@ -241,10 +229,8 @@ def test_the_recipe_of_the_page_computes_a_median(tmp_path):
 
 
 def forgetful(keep):
-    return (
-        ("    me.t += looks\n" + OWN, f"    keep = {keep}**looks\n    fresh = (1.0 - keep) / (1.0 - {keep})\n"
-         "    me.t = keep * me.t + fresh\n    me.n = keep * me.n + fresh * blacks / looks\n"),
-    )  # fmt: skip
+    fresh = f"    keep = {keep}**looks\n    fresh = (1.0 - keep) / (1.0 - {keep})\n    me.t = keep * me.t + fresh\n"
+    return [("    me.t += looks\n" + OWN, f"{fresh}    me.n = keep * me.n + fresh * blacks / looks\n")]
 
 
 SIGNED = (  # sums of large numbers that cancel
@@ -256,48 +242,37 @@ SIGNED = (  # sums of large numbers that cancel
 )
 WELFORD = (  # mean and variance, message by message
     ('"n": 0.0}', '"n": 0.0, "heard": 0.0, "mean": 0.0, "odd": 0.0}'),
-    (
-        HEAR,
-        "def receive(me, message):\n    me.heard += 1.0\n    d = message[0] - me.mean\n"
-        "    me.mean += d / me.heard\n    me.odd += d * (message[0] - me.mean)\n",
-    ),
+    (HEAR, "def receive(me, message):\n    me.heard += 1.0\n    d = message[0] - me.mean\n"
+           "    me.mean += d / me.heard\n    me.odd += d * (message[0] - me.mean)\n"),
     (FUSE, "def fuse(me):\n    me.heard = 0.0\n    me.mean = 0.0\n"),
-)
+)  # fmt: skip
 KALMAN = (
     ('"n": 0.0}', '"n": 0.0, "p": 1.0, "x": 0.5}'),
     (OWN, OWN + "    me.p = 1.0 / (1.0 / me.p + 4.0 * looks)\n    me.x += 4.0 * me.p * (blacks - looks * me.x)\n"),
 )
 
 
-MEANS = hears("me.sum += (message[0] - me.sum) / me.heard\n    me.n = max(me.n, message[0])")
-SAMPLES = hears("me.x = message[0] if me.luck * me.heard < 1.0 else me.x")
-ENDS = own("me.seen[0] = math.inf\n    me.seen[1] = -math.inf\n    me.seen[2] = 3")
-LAWFUL = [forgetful(0.5), forgetful(0.9999), SIGNED, WELFORD, KALMAN, MEANS, SAMPLES, ENDS, own("me.x = me.luck"),
-          own("me.heard = 1.0 if me.luck < 1.0 - 0.9 ** looks else me.heard")]  # fmt: skip
-
-
 @pytest.mark.long(but_every=5)
-@pytest.mark.parametrize("changes", LAWFUL)
+@pytest.mark.parametrize("changes", [
+    forgetful(0.5), forgetful(0.9999), SIGNED, WELFORD, KALMAN,
+    hears("me.sum += (message[0] - me.sum) / me.heard\n    me.n = max(me.n, message[0])"),
+    hears("me.x = message[0] if me.luck * me.heard < 1.0 else me.x"),
+    own("me.seen[0] = math.inf\n    me.seen[1] = -math.inf\n    me.seen[2] = 3"), own("me.x = me.luck"),
+    own("me.heard = 1.0 if me.luck < 1.0 - 0.9 ** looks else me.heard"),
+])  # fmt: skip
 def test_rounding_and_fair_draws_are_no_faults(changes, tmp_path):
     clip = [] if CLIP in changes else [CLIP]
     assert faults_of(made(tmp_path / "good.py", *clip, *changes)) == {}
 
 
 @pytest.mark.long(but=["change0-gives me.n = "])
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ((OWN, OWN + "    calls = CALLS\n    calls += (1.0,)\n    me.n += 1e-6 * len(CALLS)\n"), "gives me.n = "),
-        (
-            ("return (me.n,)", "calls = CALLS\n    calls += (1.0,)\n    return (me.n + len(CALLS) % 5.0,)"),
-            "broadcast (line 15) gives (0.0,) and then (1.0,)",
-        ),
-        (
-            ("    if me.t ==", "    calls = CALLS\n    calls += (1.0,)\n    if len(CALLS) % 7.0 == 0.0 or me.t =="),
-            "estimate (line 27) gives ",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    ((OWN, OWN + "    calls = CALLS\n    calls += (1.0,)\n    me.n += 1e-6 * len(CALLS)\n"), "gives me.n = "),
+    (("return (me.n,)", "calls = CALLS\n    calls += (1.0,)\n    return (me.n + len(CALLS) % 5.0,)"),
+     "broadcast (line 15) gives (0.0,) and then (1.0,)"),
+    (("    if me.t ==", "    calls = CALLS\n    calls += (1.0,)\n    if len(CALLS) % 7.0 == 0.0 or me.t =="),
+     "estimate (line 27) gives "),
+])  # fmt: skip
 def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     calls = ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nCALLS = [0.0]')
     fault = faults_of(made(tmp_path / "bad.py", change, calls, CLIP))["the same history gives the same state"]
@@ -306,17 +281,13 @@ def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
 
 
 @pytest.mark.long(but=["in a function"])
-@pytest.mark.parametrize(
-    ("lines", "said"),
-    [
-        ("    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n",
-         "it did not end within 0.5 s: observe has not returned, at line 13$"),
-        ("    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
-         r"it did not end within 0.5 s: observe has not returned, at line 1[67] in rest$"),
-        ("    me.n += 0.0 * (1 << 10**11)\n", "observe fails at line 12 .*(MemoryError|OverflowError)"),
-    ],
-    ids=["power", "in a function", "too large"],
-)  # fmt: skip
+@pytest.mark.parametrize(("lines", "said"), [
+    ("    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n",
+     "it did not end within 0.5 s: observe has not returned, at line 13$"),
+    ("    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
+     r"it did not end within 0.5 s: observe has not returned, at line 1[67] in rest$"),
+    ("    me.n += 0.0 * (1 << 10**11)\n", "observe fails at line 12 .*(MemoryError|OverflowError)"),
+], ids=["power", "in a function", "too large"])  # fmt: skip
 def test_a_function_that_does_not_return_is_named(lines, said, here, monkeypatch):
     """Endless loops, numbers of a hundred million digits, and what brings the process down; in a folder of any name."""
     Path("bräin").mkdir()
@@ -327,16 +298,13 @@ def test_a_function_that_does_not_return_is_named(lines, said, here, monkeypatch
     assert re.search(said, found["remembers numbers in MEMORY's fields, nothing else"])
 
 
-@pytest.mark.parametrize(
-    ("returncode", "stderr", "begun", "said"),
-    [
-        (-9, "", KEEPS, "it ends its process by SIGKILL: most likely it is out of memory"),
-        (3, "Fatal: no\n", KEEPS, "it ends its process: Fatal: no"),
-        (1, "Timeout (0:00:09)!", COMPILES, "it did not end within 9 s: Numba is compiling it"),
-        (1, "Timeout (0:00:09)!", AGREES, "it did not end within 9 s: its machine code has not returned, and in CPy"),
-        (1, "Timeout (0:00:09)!", NUMBERS, "it did not end within 9 s: it is slow"),
-    ],
-)
+@pytest.mark.parametrize(("returncode", "stderr", "begun", "said"), [
+    (-9, "", KEEPS, "it ends its process by SIGKILL: most likely it is out of memory"),
+    (3, "Fatal: no\n", KEEPS, "it ends its process: Fatal: no"),
+    (1, "Timeout (0:00:09)!", COMPILES, "it did not end within 9 s: Numba is compiling it"),
+    (1, "Timeout (0:00:09)!", AGREES, "it did not end within 9 s: its machine code has not returned, and in CPy"),
+    (1, "Timeout (0:00:09)!", NUMBERS, "it did not end within 9 s: it is slow"),
+])  # fmt: skip
 def test_why_the_process_of_a_check_ended(returncode, stderr, begun, said):
     done = SimpleNamespace(returncode=returncode, stderr=stderr)
     assert checking._why_it_ended(done, brains.load("alone"), begun, 9.0).startswith(said)
@@ -374,15 +342,13 @@ def test_from_python_a_check_is_an_answer(here, monkeypatch):
     Path("bad.py").write_text("def observe(:")
     bad = sc.check("bad.py")
     assert not bad.conforms
-    assert str(bad).startswith(
-        "bad.py does not keep the contract\nFAIL  keeps the contract: brain file bad.py, line 1: "
-    )
+    said = "bad.py does not keep the contract\nFAIL  keeps the contract: brain file bad.py, line 1: "
+    assert str(bad).startswith(said)
     with pytest.raises(sc.InputError, match=r"brain 'minimalistc': did you mean 'minimalistic'\?"):
         sc.check("minimalistc")
     with pytest.raises(sc.InputError, match="did you mean 'legacy'"):
         sc.check("bad.py", wrapping="legcy")
-    found = [conformance.Check("keeps the contract", None)]
-    monkeypatch.setattr(checking, "run_checks", lambda *_: found)
+    monkeypatch.setattr(checking, "run_checks", lambda *_: [conformance.Check("keeps the contract", None)])
     good = sc.check("three-state")
     assert good.conforms
     assert repr(good).splitlines()[0] == "three-state keeps the contract"

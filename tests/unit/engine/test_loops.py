@@ -12,17 +12,14 @@ from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.support.small import study_of
 
-RUNS = {
-    "ring": {"topology": ["ring", "full"], "link_success": [1.0, 0.5], "robots": [2, 300]},
-    "odd": {"brain": "census", "message_delay": 2, "faults": [{"at": 2, "robots": 0.5, "stop": "talking"}]},
-    "moving": {"ticks": 5},
-}
-
 
 @pytest.mark.skipif(code_cache.not_compiled(), reason="Numba is switched off")
 def test_each_loop_is_compiled_for_one_kind_of_arguments():
     """Else the first run would compile it twice."""
-    for given in RUNS.values():
+    for given in (
+        {"topology": ["ring", "full"], "link_success": [1.0, 0.5], "robots": [2, 300]}, {"ticks": 5},
+        {"brain": "census", "message_delay": 2, "faults": [{"at": 2, "robots": 0.5, "stop": "talking"}]},
+    ):  # fmt: skip
         run(study_of(trials=2, **given), progress=False)
     types = compile_world("trial_arguments")
     for name, takes in LOOP_TYPES.items():
@@ -37,8 +34,6 @@ def test_only_what_is_needed_of_the_engine_is_compiled():
 
 
 # ---- the compiled engine against the oracle, against CPython, and against itself in other batches
-
-
 GO = np.zeros(1, np.uint8)
 MEASURE = Metrics(0.01, 10, (10, 60))
 

@@ -46,10 +46,8 @@ class Fake:
 def install(monkeypatch):
     """Put a fake card where the bindings would be."""
     fake = Fake()
-    packages = {name: ModuleType(name) for name in ("cuda", "cuda.bindings")}
-    modules = {"driver": _driver(fake), "nvrtc": _nvrtc(fake)}
-    for name, module in (packages | {f"cuda.bindings.{k}": m for k, m in modules.items()}).items():
-        monkeypatch.setitem(sys.modules, name, module)
+    for module in (ModuleType("cuda"), ModuleType("cuda.bindings"), _driver(fake), _nvrtc(fake)):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
     return fake
 
 
@@ -91,12 +89,11 @@ def _driver(fake):
             return (Code(600),)
         return fake.answer("cuStreamQuery")
 
-    major, minor, shared = "MAJOR", "MINOR", "SHARED"
     kinds = SimpleNamespace(
-        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR=major, CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR=minor,
-        CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN=shared,
-    )  # fmt: skip
-    about = {major: lambda: fake.capability[0], minor: lambda: fake.capability[1], shared: lambda: 232_448}
+        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR=lambda: fake.capability[0],
+        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR=lambda: fake.capability[1],
+        CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN=lambda: 232_448,
+    )
     module = ModuleType("cuda.bindings.driver")
     vars(module).update(
         CUdevice_attribute=kinds,
@@ -105,7 +102,7 @@ def _driver(fake):
         cuDriverGetVersion=lambda: fake.answer("cuDriverGetVersion", fake.version),
         cuDeviceGet=lambda n: fake.answer("cuDeviceGet", n),
         cuDeviceGetName=lambda size, _: fake.answer("cuDeviceGetName", b"Fake 1".ljust(size, b"\0")),
-        cuDeviceGetAttribute=lambda kind, _: fake.answer("cuDeviceGetAttribute", about[kind]()),
+        cuDeviceGetAttribute=lambda about, _: fake.answer("cuDeviceGetAttribute", about()),
         cuDevicePrimaryCtxRetain=lambda _: fake.answer("cuDevicePrimaryCtxRetain", "context"),
         cuCtxSetCurrent=lambda _: fake.answer("cuCtxSetCurrent"),
         cuMemGetInfo=lambda: fake.answer("cuMemGetInfo", fake.free, fake.size),
@@ -133,16 +130,12 @@ def _nvrtc(fake):
 
     module = ModuleType("cuda.bindings.nvrtc")
     vars(module).update(
-        nvrtcVersion=lambda: (0, 13, 0),
-        nvrtcGetSupportedArchs=lambda: (0, [75, 90]),
-        nvrtcCreateProgram=lambda source, *_: (0, source),
+        nvrtcVersion=lambda: (0, 13, 0), nvrtcGetSupportedArchs=lambda: (0, [75, 90]),
+        nvrtcCreateProgram=lambda source, *_: (0, source), nvrtcDestroyProgram=lambda _: (0,),
         nvrtcCompileProgram=lambda *_: fake.answer("nvrtcCompileProgram"),
-        nvrtcGetProgramLogSize=lambda _: (0, len(fake.log) + 1),
-        nvrtcGetProgramLog=write(lambda _: fake.log),
-        nvrtcGetCUBINSize=lambda program: (0, len(code(program))),
-        nvrtcGetCUBIN=write(code),
-        nvrtcDestroyProgram=lambda _: (0,),
-    )
+        nvrtcGetProgramLogSize=lambda _: (0, len(fake.log) + 1), nvrtcGetProgramLog=write(lambda _: fake.log),
+        nvrtcGetCUBINSize=lambda program: (0, len(code(program))), nvrtcGetCUBIN=write(code),
+    )  # fmt: skip
     return module
 
 
@@ -159,8 +152,7 @@ def card(monkeypatch, tmp_path):
 def test_kernels_change_what_was_uploaded(card):
     def twice(blocks, threads, shared, struct):
         assert (blocks, threads, shared) == (3, 64, 100_000)
-        address = ctypes.c_uint64.from_address(struct).value
-        np.frombuffer(card.memory[address], np.float64)[:] *= 2.0
+        np.frombuffer(card.memory[ctypes.c_uint64.from_address(struct).value], np.float64)[:] *= 2.0
 
     card.kernels["twice"] = twice
     opened, found = open_driver(), np.empty(4)
@@ -168,8 +160,7 @@ def test_kernels_change_what_was_uploaded(card):
     opened.launch(opened.build(TWICE), "twice", 3, 64, 100_000, np.uint64(buffer.address).tobytes())
     assert opened.wait(GOING)
     opened.download(buffer, found)
-    assert found.tolist() == [0.0, 4.0, 8.0, 12.0]
-    assert card.called.count("cuFuncSetAttribute") == 1
+    assert (found.tolist(), card.called.count("cuFuncSetAttribute")) == ([0.0, 4.0, 8.0, 12.0], 1)
     assert (opened.name, opened.shared) == ("Fake 1", 232_448)
 
 
@@ -279,9 +270,8 @@ def test_libraries_that_cannot_be_loaded(name, said, card, monkeypatch):
 ])  # fmt: skip
 def test_cards_that_cannot_be_used(state, said, card):
     vars(card).update(state)
-    with pytest.raises(CardError, match=said) as found:
+    with pytest.raises(CardError, match=rf"^.*{said}.*\Z"):  # in one line
         open_driver()
-    assert "\n" not in str(found.value)
 
 
 def test_a_full_card(card):
@@ -326,8 +316,7 @@ def test_the_real_compiler_writes_code_and_says_errors(compile_for_a_card):
 @pytest.mark.parametrize("kernels", ["trials.cu", "crowds.cu", "alone.cu"])
 @pytest.mark.parametrize("brain", ["commons", "three-state"])
 def test_the_real_compiler_takes_the_kernels(compile_for_a_card, brain, kernels):
-    study = study_of(brain, link_success=0.8, message="ratio16", precision="single")
-    setting = study.settings()[0]
+    setting = study_of(brain, link_success=0.8, message="ratio16", precision="single").settings()[0]
     features = features_of(setting, inputs_of(setting, 0, 0))
     assert compile_for_a_card(source(setting.brains, features, kernels, 128)).startswith(b"\x7fELF")
     assert compile_for_a_card(measures()).startswith(b"\x7fELF")

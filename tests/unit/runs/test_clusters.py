@@ -117,10 +117,9 @@ def test_finished_work_starts_no_cluster(here):
 def test_a_worker_that_is_killed_costs_nothing(here):
     some = study(LONG).with_(trials=80)
     with processes(2) as cluster, distributed.Client(cluster, set_as_default=False) as client:
-        scheduler = cluster.scheduler_address
         victims = sorted(client.run(os.getpid).values())
         kill = Once(lambda: [os.kill(pid, signal.SIGKILL) for pid in victims])  # all that hold anything
-        killed = run(some, cluster=scheduler, progress=kill, out="s.nc")
+        killed = run(some, cluster=cluster.scheduler_address, progress=kill, out="s.nc")
         assert kill.done
         client.wait_for_workers(2, timeout=30)
         assert not set(client.run(os.getpid).values()) & set(victims)
@@ -194,27 +193,21 @@ def test_what_is_done_is_kept_when_the_scheduler_goes(here, threads):
     assert same(run(study(LONG), jobs=2, out="s.nc"), threads)
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--cluster", "host:8786"], "tcp://host:8786"),
-        (["--cluster", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
-        (["--cluster", "tcp://host:8786", "--jobs", "3"], "--jobs 3"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    (["--cluster", "host:8786"], "tcp://host:8786"),
+    (["--cluster", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
+    (["--cluster", "tcp://host:8786", "--jobs", "3"], "--jobs 3"),
+])  # fmt: skip
 def test_a_cluster_that_is_not_there_is_one_sentence(here, refused, monkeypatch, options, said):
     monkeypatch.setattr(clusters, "CONNECT", "0.5s")
     Path("s.toml").write_text(FIXED)
     assert said in refused("run", "s.toml", *options)
 
 
-@pytest.mark.parametrize(
-    ("known", "said"),
-    [
-        (["ca-file", "client.cert", "client.key"], "[Errno 2] No such file or directory"),
-        ([], "needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
-    ],
-)
+@pytest.mark.parametrize(("known", "said"), [
+    (["ca-file", "client.cert", "client.key"], "[Errno 2] No such file or directory"),
+    ([], "needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
+])  # fmt: skip
 def test_certificates_that_are_missing_are_found_first(here, refused, monkeypatch, known, said):
     monkeypatch.setattr(clusters, "CONNECT", "3s")
     Path("s.toml").write_text(FIXED)
@@ -256,8 +249,6 @@ def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
 @pytest.mark.long
 def test_a_plain_run_does_without_dask(here):
     Path("s.toml").write_text(FIXED.replace(', "mine.py"', ""))
-    code = (
-        "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli.commands import main; "
-        "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.runs.clusters' not in sys.modules"
-    )
+    code = "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli.commands import main; "
+    code += "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.runs.clusters' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

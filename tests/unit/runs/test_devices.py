@@ -27,10 +27,7 @@ swarm  = {robots = 6, accuracy = 0.8}
 world  = {topology = "ring", fill_ratio = 0.55}
 wanted = {error = 0.1}
 """
-MOVING_MISSION = {
-    "trials": 40, "swarm": {"robots": 3, "accuracy": 0.8}, "world": {"side": 1.0, "fill_ratio": 0.55},
-    "wanted": {"error": 0.2},
-}  # fmt: skip
+
 SWARM = {"robots": [4, 6], "accuracy": 0.7}
 SHORT = {"rounds": 20, "observations_per_round": 10}
 
@@ -189,8 +186,7 @@ def test_auto_runs_on_the_cpu_without_a_card(no_card, caplog, monkeypatch):
 @pytest.mark.parametrize("made", ["cpu", "gpu"])
 def test_verify_compares_a_card_with_the_cpu(made, card, here):
     run(ring(measure={"local": True}), device=made, out="r.nc")
-    other = {"cpu": "gpu", "gpu": "cpu"}[made]
-    assert main(["verify", "r.nc", "--all", "--device", other]) == 0
+    assert main(["verify", "r.nc", "--all", "--device", {"cpu": "gpu", "gpu": "cpu"}[made]]) == 0
     assert bool(card.batches)
 
 
@@ -225,16 +221,15 @@ def files(here):
 
 COMMANDS = {
     "run": "run s.toml", "reproduce": "reproduce --only fig2 --trials 1", "leaderboard": "leaderboard --trials 1",
-    "plan": "plan m.toml", "verify": "verify r.nc",
-    "tune": "tune s.toml --parameter c=0:1 --budget 13 --trials 2",
+    "plan": "plan m.toml", "verify": "verify r.nc", "tune": "tune s.toml --parameter c=0:1 --budget 13 --trials 2",
 }  # fmt: skip
 
 
 @pytest.mark.long(only=["leaderboard", "reproduce"])
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_refuse_a_card_that_is_not_there(command, no_card, files, refused):
-    said = refused(*COMMANDS[command].split(), "--device", "gpu")
-    assert said == "swarmcensus: --device gpu: this machine has no NVIDIA card"
+    said = "swarmcensus: --device gpu: this machine has no NVIDIA card"
+    assert refused(*COMMANDS[command].split(), "--device", "gpu") == said
 
 
 @pytest.mark.long(but=["plan"])
@@ -248,7 +243,8 @@ def test_searches_find_the_same_on_a_card(command, card, files, accepted):
 
 def test_a_plan_of_moving_robots_says_once_that_they_run_on_the_cpu(card, caplog, here):
     caplog.set_level(logging.INFO)
-    sc.plan(MOVING_MISSION, device="gpu")
+    swarm, world = {"robots": 3, "accuracy": 0.8}, {"side": 1.0, "fill_ratio": 0.55}
+    sc.plan({"trials": 40, "swarm": swarm, "world": world, "wanted": {"error": 0.2}}, device="gpu")
     assert caplog.text.count("all settings run on the CPU: robots move") == 1
     assert not card.batches
 
@@ -272,6 +268,5 @@ def test_merged_files_name_the_cards_of_all(card, here):
 def test_rules_run_on_a_card_in_stages(card):
     rule = {"until": "final_estimate mean +- 4e-3", "at_least": 8, "at_most": 200}
     study = study_of(robots=4, rounds=20, trials=rule)
-    on_card = run(study, device="gpu")
-    assert np.array_equal(on_card["half_width"], run(study)["half_width"])
+    assert np.array_equal(run(study, device="gpu")["half_width"], run(study)["half_width"])
     assert card.batches

@@ -12,14 +12,10 @@ from swarmcensus.runs.resuming import hold_output
 from swarmcensus.support.errors import InputError
 
 TABLES = {
-    "name": "parts",
-    "seed": 3,
-    "trials": 4,
-    "swarm": {"robots": [4, 6], "accuracy": ["U(0.6, 0.9)"]},
-    "world": {"topology": ["ring", "full"], "fill_ratio": [0.55]},
-    "schedule": {"rounds": 40},
+    "name": "parts", "seed": 3, "trials": 4, "swarm": {"robots": [4, 6], "accuracy": ["U(0.6, 0.9)"]},
+    "world": {"topology": ["ring", "full"], "fill_ratio": [0.55]}, "schedule": {"rounds": 40},
     "measure": {"checkpoints": [10, 40]},
-}
+}  # fmt: skip
 
 
 def study(**changes):
@@ -44,8 +40,7 @@ def test_settings_and_trials_that_differ():
     merged = sc.merge([one, two, three])
     assert merged.sizes == {"setting": 4, "trial": 6, "robot": 6, "checkpoint": 2}
     assert merged.attrs["trials_done"] == 6 + 6 + 4 + 4
-    assert merged.attrs["title"] == "parts"
-    assert len(json.loads(merged.attrs["merged"])) == 3
+    assert (merged.attrs["title"], len(json.loads(merged.attrs["merged"]))) == ("parts", 3)
     for source in (one, two, three):
         for k, mark in enumerate(source["fingerprint"].values):
             (row,) = np.flatnonzero(merged["fingerprint"].values == mark)
@@ -75,9 +70,7 @@ def test_results_that_cannot_go_together():
 
 def test_two_brains_of_one_name_are_refused(here, monkeypatch):
     shipped, compile_brain, results = study().swarm.brain[0], compiler.compile_brain, []
-    monkeypatch.setattr(
-        compiler, "compile_brain", lambda _, *how, **more: compile_brain(shipped, *how, **more)
-    )  # the same
+    monkeypatch.setattr(compiler, "compile_brain", lambda _, *how, **more: compile_brain(shipped, *how, **more))
     for text in (shipped.source, shipped.source + "\n# another\n"):
         (here / "mine.py").write_text(text)
         results.append(ran(brain_in_swarm="mine.py", robots_in_swarm=5, topology_in_world="ring"))
@@ -129,8 +122,7 @@ def test_time_is_counted_once_where_results_overlap():
     one, two = ran(robots_in_swarm=4), ran(robots_in_swarm=6)
     one.attrs["wall_seconds"], two.attrs["wall_seconds"] = 10.0, 20.0
     both = sc.merge([one, two])
-    assert both.attrs["wall_seconds"] == 30.0
-    assert sc.merge([both, one, two]).attrs["wall_seconds"] == 30.0
+    assert both.attrs["wall_seconds"] == sc.merge([both, one, two]).attrs["wall_seconds"] == 30.0
     assert sc.merge([one, both]).attrs["wall_seconds"] == 25.0  # by trials: those of `both` took 3.75 each
 
 
@@ -144,13 +136,8 @@ def test_totals_of_what_is_merged():
 
 def test_what_only_some_of_merged_results_have_is_verified():
     more = {"checkpoints": [10, 40], "estimates": True, "metrics": ["mean-error"]}
-    parts = [
-        ran(),
-        ran(robots_in_swarm=4, checkpoints_in_measure=[5, 20]),
-        ran(robots_in_swarm=6, local_in_measure=True, trials=2),
-        ran(measure=more),
-    ]
-    merged = sc.merge(parts)
+    early = ran(robots_in_swarm=4, checkpoints_in_measure=[5, 20])
+    merged = sc.merge([ran(), early, ran(robots_in_swarm=6, local_in_measure=True, trials=2), ran(measure=more)])
     found = sc.verify(merged, 1.0, jobs=2)
     assert (found.differences, found.labels) == ([], [])
     for name in ("correct", "local_convergence_step", "estimates", "mean_error"):

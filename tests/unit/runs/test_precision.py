@@ -12,25 +12,22 @@ from swarmcensus.support import intervals
 from swarmcensus.support.errors import InputError
 
 WORLD = {"topology": ["ring", "full"], "fill_ratio": [0.55]}
-SCHEDULE = {"rounds": 50}
-MEASURE = {"checkpoints": [10, 20, 50]}
+MORE = {"schedule": {"rounds": 50}, "measure": {"checkpoints": [10, 20, 50]}}
 
 
-def study(rule, at_least=8, at_most=200, **changes):
-    trials = {"until": rule, "at_least": at_least, "at_most": at_most}
-    tables = {"seed": 5, "swarm": {"robots": 10, "accuracy": [0.7, 0.95]}, "world": WORLD, "schedule": SCHEDULE}
-    return sc.Study(trials=trials, measure=MEASURE, **(tables | changes))
+def study(rule):
+    trials = {"until": rule, "at_least": 8, "at_most": 200}
+    return sc.Study(trials=trials, seed=5, swarm={"robots": 10, "accuracy": [0.7, 0.95]}, world=WORLD, **MORE)
 
 
 def needed(data):
     return (data["convergence_round"].values[:, :, 0] >= 0).sum(axis=1)
 
 
-@pytest.mark.parametrize(
-    ("rule", "variable"),
-    [("convergence_error median +- 0.003", "convergence_error"), ("convergence_round mean ± 2", "convergence_round"),
-     ("final_estimate mean +- 4e-3", "final_estimate"), ("correct@20 mean +- 0.03", "correct")],
-)  # fmt: skip
+@pytest.mark.parametrize(("rule", "variable"), [
+    ("convergence_error median +- 0.003", "convergence_error"), ("convergence_round mean ± 2", "convergence_round"),
+    ("final_estimate mean +- 4e-3", "final_estimate"), ("correct@20 mean +- 0.03", "correct"),
+])  # fmt: skip
 def test_each_setting_gets_what_it_needs(rule, variable):
     asked = study(rule)
     data = sc.run(asked, jobs=2)
@@ -42,9 +39,8 @@ def test_each_setting_gets_what_it_needs(rule, variable):
         values = data[variable].values[k]
         values = values[1, :, np.newaxis] if variable == "correct" else values
         for stage in [s for s in stages if s <= trials]:
-            _, low, high = intervals.estimate(
-                values[:stage].astype(float), rule.split()[1], variable == "correct", look_level(stage)
-            )
+            seen = (values[:stage].astype(float), rule.split()[1], variable == "correct", look_level(stage))
+            _, low, high = intervals.estimate(*seen)
             # it stops at the first look at which the interval is narrow enough, and at no other
             assert ((high - low) / 2 <= width) == (stage == trials and trials < stages[-1]) or stage == stages[-1]
         assert data["half_width"].values[k] == pytest.approx((high - low) / 2, rel=1e-12)
@@ -103,33 +99,28 @@ def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
     assert levels == sorted(levels, reverse=True)
     assert levels[2:] == pytest.approx([0.97, 0.958, 0.951], abs=5e-4)  # as docs/comparing.md says
     values = np.random.default_rng(3).normal(size=(30, 4))
-    rule = Until(until="final_estimate mean +- 1")
     _, low, high = intervals.estimate(values, "mean")
-    assert rule.half_width(values) > (high - low) / 2
+    assert Until(until="final_estimate mean +- 1").half_width(values) > (high - low) / 2
 
 
-@pytest.mark.parametrize(
-    ("trials", "said"),
-    [
-        ({"until": "speed median +- 1"}, "should be such as"),
-        ({"until": "correct mean +- 0.1"}, "should be such as"),
-        ({"until": "convergence_error@10 mean +- 0.1"}, "should be such as"),
-        ({"until": "convergence_error mean +- 0"}, "should be such as"),
-        ({"until": "correct@11 mean +- 0.1"}, "11 is no checkpoint"),
-        ({"until": "final_estimate mean +- 1", "at_least": 3}, "trials.at_least = 3"),
-        ({"until": "final_estimate mean +- 1", "at_least": 30, "at_most": 20}, "at_most = 20 is less than"),
-        ({"until": "final_estimate mean +- 1", "at_last": 30}, "did you mean 'at_least'"),
-        ({"at_least": 30}, "trials.until is missing"),
-    ],
-)
+@pytest.mark.parametrize(("trials", "said"), [
+    ({"until": "speed median +- 1"}, "should be such as"),
+    ({"until": "correct mean +- 0.1"}, "should be such as"),
+    ({"until": "convergence_error@10 mean +- 0.1"}, "should be such as"),
+    ({"until": "convergence_error mean +- 0"}, "should be such as"),
+    ({"until": "correct@11 mean +- 0.1"}, "11 is no checkpoint"),
+    ({"until": "final_estimate mean +- 1", "at_least": 3}, "trials.at_least = 3"),
+    ({"until": "final_estimate mean +- 1", "at_least": 30, "at_most": 20}, "at_most = 20 is less than"),
+    ({"until": "final_estimate mean +- 1", "at_last": 30}, "did you mean 'at_least'"),
+    ({"at_least": 30}, "trials.until is missing"),
+])  # fmt: skip
 def test_bad_rules(trials, said):
     with pytest.raises(InputError, match=re.escape(said)):
-        sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE, measure=MEASURE)
+        sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, **MORE)
 
 
 def test_the_report_lists_what_each_setting_needed(here, accepted):
-    asked = study("convergence_error median +- 0.003")
-    (here / "s.toml").write_text(asked.text)
+    (here / "s.toml").write_text(study("convergence_error median +- 0.003").text)
     shown = accepted("run", "s.toml").out
     rows = {words[0]: words[-2] for line in shown.splitlines() if (words := line.split())}
     assert [int(rows[str(k)]) for k in range(4)] == needed(sc.load("s.nc")).tolist()

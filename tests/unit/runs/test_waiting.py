@@ -19,14 +19,10 @@ from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.small import study_of
 
 # ---- what a study's work is cut into, and the order in which it is run
-
-
 LONG = {
-    "trials": 40,
-    "swarm": {"robots": [50, 100], "accuracy": [0.6, 0.8]},
+    "trials": 40, "swarm": {"robots": [50, 100], "accuracy": [0.6, 0.8]}, "schedule": {"rounds": 1000, "ticks": 1000},
     "world": {"topology": ["ring", "scale-free", "moving"], "density": 1, "fill_ratio": [0.55, 0.95]},
-    "schedule": {"rounds": 1000, "ticks": 1000},
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("local", [False, True])
@@ -41,16 +37,13 @@ def test_some_trials_of_every_setting_come_before_more_of_any(seconds, local):
     seen = np.zeros((2, *wanted.shape), np.int64)
     for task in tasks:
         of_kind = seen[int(task.kind == "local")]
-        before = of_kind.any(axis=1)
-        again = before[list(task.settings)].any()
+        again = of_kind.any(axis=1)[list(task.settings)].any()
         assert not again or seen[: 1 + local].any(axis=2).all(), "a second task before the first of another setting"
         of_kind[list(task.settings), task.first : task.first + task.trials] += 1
     assert (seen[: 1 + local] == 1).all(), "every trial once"
 
 
 # ---- what a person sees who waits for the compiler: one line with a count, whatever the number of brains
-
-
 class Terminal(io.StringIO):
     """A terminal of 100 columns, as far as a bar is concerned."""
 
@@ -94,15 +87,11 @@ def test_compiling_bar_on_a_terminal(monkeypatch):
 
 
 # ---- what a study of large swarms keeps in memory while it runs, and what it does not
-
-
 ROBOTS = 60_000
-BYTES = 36 * ROBOTS  # of results, a setting
 
 
-def crowds(settings, robots=ROBOTS, trials=1):
-    accuracies = [round(0.6 + 0.02 * k, 2) for k in range(settings)]
-    return study_of(robots=robots, accuracy=accuracies, rounds=2, trials=trials)
+def crowds(settings, robots=ROBOTS):
+    return study_of(robots=robots, accuracy=[round(0.6 + 0.02 * k, 2) for k in range(settings)], rounds=2, trials=1)
 
 
 @pytest.fixture
@@ -116,8 +105,7 @@ def peak(settings, out):
     """The most bytes that a run has at once, but for what lies in files; and its dataset."""
     tracemalloc.start()
     try:
-        data = run(crowds(settings), 1, progress=False, out=out)
-        return tracemalloc.get_traced_memory()[1], data
+        return tracemalloc.get_traced_memory()[1], run(crowds(settings), 1, progress=False, out=out)
     finally:
         tracemalloc.stop()
 
@@ -131,7 +119,7 @@ def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_arrays, tmp
     run(crowds(1, 10), 1, progress=False)  # compiles, and imports what is imported late
     one, _ = peak(1, tmp_path / "one.nc")
     ten, data = peak(10, tmp_path / "ten.nc")
-    assert ten - one < 5 * BYTES
+    assert ten - one < 5 * 36 * ROBOTS  # 36 bytes of results of a robot in a setting
     assert {path.name for path in tmp_path.iterdir()} == {"one.nc", "ten.nc"}
     assert sc.load(tmp_path / "ten.nc").equals(data)
     assert sc.load(tmp_path / "one.nc").equals(sc.load(tmp_path / "ten.nc").sel(setting=[0]))

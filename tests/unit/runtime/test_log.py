@@ -55,8 +55,7 @@ def lives(path, ticks=20, **more):
 
 def test_a_log_holds_what_was_read_said_and_heard(tmp_path):
     one, air = lives(tmp_path / "log")
-    log = read_log(tmp_path / "log")
-    first, *ticks = log.blocks
+    first, *ticks = read_log(tmp_path / "log").blocks
     assert isinstance(first, State)
     assert (first.starts, first.boot, first.number, first.tick, first.now) == (True, 0, 1, 0, 5)
     assert (first.b, first.w, first.period, first.form, first.code_bytes) == (0.9, 0.8, 100, 3, 3)
@@ -86,10 +85,8 @@ def test_a_log_cut_at_any_byte_keeps_all_whole_ticks(tmp_path):
 
 def test_ticks_that_are_held_are_written_together(tmp_path, monkeypatch):
     """The bytes are those of a log that is written in each tick; what a cut loses is shorter than `hold`."""
-    one, _ = robot(tmp_path / "log", hold=500)
-    each, _ = robot(tmp_path / "each")
-    flushed = []
-    flush = Log.flush
+    (one, _), (each, _) = robot(tmp_path / "log", hold=500), robot(tmp_path / "each")
+    flushed, flush = [], Log.flush
     monkeypatch.setattr(Log, "flush", lambda log, synced=True: (flushed.append(log.path), flush(log, synced)))
     for _ in range(400):
         one.tick()
@@ -123,15 +120,13 @@ def test_after_damage_a_log_goes_on_with_the_next_state(tmp_path, damage):
     for _ in range(9):
         one.tick()
     data = bytearray((tmp_path / "log").read_bytes())
-    if damage == "flip":
-        data[before - 3] ^= 1
-    else:
+    data[before - 3] ^= damage == "flip"
+    if damage == "cut":
         del data[before - 3 : before + 2]
     (tmp_path / "log").write_bytes(data)
     log = read_log(tmp_path / "log")
     assert [tick.tick for tick in log.ticks] == [1, 2, 6, 7, 8, 9, 10, 11, 12]
-    assert [state.tick for state in log.states] == [0, 5, 10]
-    assert len(gaps(log)) == 1
+    assert ([state.tick for state in log.states], len(gaps(log))) == ([0, 5, 10], 1)
 
 
 @pytest.mark.parametrize("hold", [0, 500])
@@ -167,8 +162,7 @@ def test_after_a_failed_write_a_log_goes_on_with_a_state(tmp_path):
         one.log.path = tmp_path / "log"
     log = read_log(tmp_path / "log")
     assert [tick.tick for tick in log.ticks] == [*range(1, 20), *range(65, 200)]
-    assert [state.tick for state in log.states] == [0, 64]
-    assert one.log.faults == 45
+    assert ([state.tick for state in log.states], one.log.faults) == ([0, 64], 45)
 
 
 def test_without_memory_and_with_a_broken_file_a_robot_goes_on(tmp_path, monkeypatch):

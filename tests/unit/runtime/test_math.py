@@ -53,11 +53,8 @@ def refused(source, read=brains.parse):
 
 def test_the_list_is_what_micropython_has():
     known = micropython("import math\nprint(*dir(math))").split()
-    assert {name for name in known if name[0] != "_"} == {
-        *robot_math.FUNCTIONS,
-        *robot_math.CONSTANTS,
-        *robot_math.NOT_IN_C,
-    }
+    listed = {*robot_math.FUNCTIONS, *robot_math.CONSTANTS, *robot_math.NOT_IN_C}
+    assert {name for name in known if name[0] != "_"} == listed
     calls = micropython("import builtins\nprint(*dir(builtins))").split()
     assert {"abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len"} <= {*calls}
 
@@ -72,14 +69,11 @@ def test_a_function_is_allowed_or_refused_with_its_line(name):
         assert f"x.py, line 8: uses math.{name}, which {who} on a robot lacks: " in refused(source)
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),
-        ("pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))", "* in a tuple, as in (*pair, 2.0): write its items one"),
-        ("me.x = (1.0, 0.5, 0.0)[::2][1]", "step in a slice, as in (1.0, 0.5, 0.0)[::2]: a loop over range is right"),
-    ],
-)
+@pytest.mark.parametrize(("line", "said"), [
+    ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),
+    ("pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))", "* in a tuple, as in (*pair, 2.0): write its items one"),
+    ("me.x = (1.0, 0.5, 0.0)[::2][1]", "step in a slice, as in (1.0, 0.5, 0.0)[::2]: a loop over range is right"),
+])  # fmt: skip
 def test_syntax_that_micropython_lacks(line, said):
     error = refused(TINY.replace("    me.x = 0.5\n", f"    {line}\n"))
     assert f"line {8 + line.startswith('pair')}: MicroPython on a robot has no {said}" in error
@@ -112,8 +106,7 @@ def test_own_names_are_no_functions_of_math():
 
 
 def test_what_avr_boards_lack():
-    tree = ast.parse(brains.load("bayes-bots").source)
-    assert robot_math.missing_on_avr(tree) == ["lgamma"]
+    assert robot_math.missing_on_avr(ast.parse(brains.load("bayes-bots").source)) == ["lgamma"]
     lacks = "AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks lgamma"
     assert checking.notes_on("bayes-bots", brains.load("bayes-bots"), "") == [lacks]
     assert checking.notes_on("commons", brains.load("commons"), "") == []
@@ -129,13 +122,12 @@ def test_the_page_lists_all():
 
 @pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc and avr-libc")
 def test_what_avr_libc_declares():
-    header = subprocess.run(
-        ["avr-gcc", "-E", "-"], input="#include <math.h>\n", capture_output=True, text=True, check=True
-    ).stdout
+    words = {"input": "#include <math.h>\n", "capture_output": True, "text": True, "check": True}
+    header = subprocess.run(["avr-gcc", "-E", "-"], **words).stdout
     declared = {*re.findall(r"\b(\w+)\s*\(", header)}
-    not_of_c = {"degrees", "radians"}
-    names_in_c = {name: "tgamma" if name == "gamma" else name for name in robot_math.FUNCTIONS if name not in not_of_c}
-    assert {name for name, in_c in names_in_c.items() if in_c not in declared} == {*robot_math.NOT_ON_AVR}
+    names_in_c = {name: name for name in robot_math.FUNCTIONS if name not in ("degrees", "radians")}
+    lacking = {name for name, in_c in (names_in_c | {"gamma": "tgamma"}).items() if in_c not in declared}
+    assert lacking == {*robot_math.NOT_ON_AVR}
 
 
 NUMBERS = (0.0, 1.0, -1.0, 0.5, -0.5, -2.5, 3.0, 171.7, -1000.0, 1000.0, 1e308, math.inf, -math.inf, math.nan)
@@ -144,8 +136,7 @@ OF_TWO = ("fmod", "ldexp", "pow", "**", "powi")
 CALLS = [
     *(f"math.{name}(x)" for name in python_errors.OF_MATH if name not in OF_TWO),
     "int(x)", "round(x)", "math.fmod(x, y)", "math.ldexp(x, int(min(max(y, -2000.0), 2000.0)))",
-    "math.pow(x, y)", "pow(x, y)", "x ** y", "x ** 2",
-    "x // y", "x % y",
+    "math.pow(x, y)", "pow(x, y)", "x ** y", "x ** 2", "x // y", "x % y",
 ]  # fmt: skip
 
 
@@ -178,12 +169,8 @@ def test_machine_code_raises_where_cpython_does():
                     expected = OverflowError  # whole numbers have 64 bits
                 if {expected, found} == {OverflowError, ValueError} and name in ("x ** y", "pow(x, y)") and x < 0:
                     continue  # a complex number that is too large
-                same = (
-                    found is expected
-                    if isinstance(expected, type)
-                    else found == pytest.approx(expected, 1e-13, nan_ok=True)
-                )
-                assert same, (name, x, y, expected, found)
+                due = expected if isinstance(expected, type) else pytest.approx(expected, 1e-13, nan_ok=True)
+                assert found == due, (name, x, y, expected, found)
 
 
 def test_it_is_refused_where_its_name_is_imported():

@@ -27,8 +27,7 @@ class Middleware:
     ms = 1_000_000
 
     def __init__(self):
-        self.subscribers, self.timers, self.published, self.stopped, self.depths = {}, [], {}, None, {}
-        self.nodes = []
+        self.subscribers, self.timers, self.published, self.stopped, self.depths, self.nodes = {}, [], {}, None, {}, []
 
     def publish(self, topic, message):
         self.published.setdefault(topic, []).append(message)
@@ -55,8 +54,7 @@ def modules(middleware):
 
     class Node:
         def __init__(self, name, parameter_overrides=()):
-            self.name, self.parameters = name, dict(parameter_overrides)
-            self.topics, self.timers = [], []
+            self.name, self.parameters, self.topics, self.timers = name, dict(parameter_overrides), [], []
             middleware.nodes.append(self)
 
         def declare_parameter(self, name, default):
@@ -102,18 +100,13 @@ def modules(middleware):
     rclpy = types.ModuleType("rclpy")
     rclpy.init, rclpy.spin, rclpy.try_shutdown = lambda: None, spin, lambda: None
     std = {"Bool": Message, "Float32": Float32, "UInt8MultiArray": UInt8MultiArray}
+    space = types.SimpleNamespace
+    best = {"qos_profile_sensor_data": space(depth=5), "ReliabilityPolicy": space(BEST_EFFORT=2)}
     return {
-        "rclpy": rclpy,
-        "rclpy.executors": types.SimpleNamespace(ExternalShutdownException=Stopped),
-        "rclpy.node": types.SimpleNamespace(Node=Node),
-        "rclpy.qos": types.SimpleNamespace(
-            qos_profile_sensor_data=types.SimpleNamespace(depth=5),
-            QoSProfile=types.SimpleNamespace,
-            ReliabilityPolicy=types.SimpleNamespace(BEST_EFFORT=2),
-        ),
-        "std_msgs": types.ModuleType("std_msgs"),
-        "std_msgs.msg": types.SimpleNamespace(**std),
-    }
+        "rclpy": rclpy, "rclpy.executors": space(ExternalShutdownException=Stopped), "rclpy.node": space(Node=Node),
+        "rclpy.qos": space(QoSProfile=space, **best),
+        "std_msgs": types.ModuleType("std_msgs"), "std_msgs.msg": space(**std),
+    }  # fmt: skip
 
 
 @pytest.fixture
@@ -151,8 +144,7 @@ class World:
         self.chance = random.Random(1)
 
     def node(self, number, **parameters):
-        given = {"number": number, **parameters}
-        return self.example.RobotNode(parameter_overrides=list(given.items()))
+        return self.example.RobotNode(parameter_overrides=list({"number": number, **parameters}.items()))
 
     def run(self, ticks):
         for _ in range(4 * ticks):
@@ -190,10 +182,8 @@ def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ro
     sys.modules["settings"].SAVE_EVERY = 20
     nodes = [world.node(number) for number in range(ROBOTS)]
     world.run(110)
+    nodes[1].robot.log.held.clear()
     for number in (1, 2):
-        killed = number == 1
-        if killed:
-            nodes[number].robot.log.held.clear()
         nodes[number].destroy_node()
         nodes[number] = world.node(number)
     before = nodes[0].robot.heard
@@ -262,8 +252,7 @@ def test_ticks_follow_the_clock_of_ros(ros):
         clock.ms = begin
         world.run(50)
         ticks.append(node.robot.ticks)
-    assert ticks == [50, 100, 150]
-    assert node.robot.missed == 0
+    assert (ticks, node.robot.missed) == ([50, 100, 150], 0)
 
 
 def test_a_node_reads_the_newest_reading(ros):
@@ -284,14 +273,11 @@ def test_datagrams_of_all_robots_wait_for_a_tick(ros):
     assert node.robot.refused == 39  # and its own
 
 
-@pytest.mark.parametrize(
-    ("given", "says"),
-    [
-        *(({"number": number}, "number should be a whole number from 0 to 65535") for number in (-1, 65536, "three")),
-        *(({"number": 3, "depth": depth}, "depth should be a whole number from 1") for depth in (0, -1, "many", 2.5)),
-        ({}, "number should be a whole number from 0 to 65535"),
-    ],
-)
+@pytest.mark.parametrize(("given", "says"), [
+    *(({"number": number}, "number should be a whole number from 0 to 65535") for number in (-1, 65536, "three")),
+    *(({"number": 3, "depth": depth}, "depth should be a whole number from 1") for depth in (0, -1, "many", 2.5)),
+    ({}, "number should be a whole number from 0 to 65535"),
+])  # fmt: skip
 def test_a_node_without_a_number_is_refused(ros, given, says):
     with pytest.raises(SystemExit, match=says):
         ros[0].RobotNode(parameter_overrides=[*given.items()])

@@ -23,22 +23,17 @@ COMMONS = brains.load("commons")
 NOTHING = itertools.repeat(None)
 
 
-def robot_of(
-    brain=COMMONS, number=1, readings=NOTHING, radio=None, clock=None, message="ratio16", checked=True, **more
-):
-    return runtime.Robot(
-        brain.functions, messages_of(brain, message, checked=checked), Readings(readings), radio or Air().radio(),
-        clock or Clock(), 0.9, 0.8, number, **more,
-    )  # fmt: skip
+def robot_of(brain=COMMONS, number=1, readings=NOTHING, radio=None, clock=None, message="ratio16", **more):
+    of_brain = (brain.functions, messages_of(brain, message))
+    devices = (Readings(readings), radio or Air().radio(), clock or Clock())
+    return runtime.Robot(*of_brain, *devices, 0.9, 0.8, number, **more)
 
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_a_swarm_of_robots_is_one_of_the_reference(name):
     """Calls come in the reference's order: states are those that it has by hand, of messages that were packed."""
-    brain = brains.load(name)
-    random_ = random.Random(4)
+    brain, random_, air = brains.load(name), random.Random(4), Air()
     seen = [[random_.random() < 0.6 for _ in range(40)] for _ in range(3)]
-    air = Air()
     robots = [robot_of(brain, k, seen[k], air.radio(), message="float16", draws=lambda: 0.25) for k in range(3)]
     states = [brain.robot(0.9, 0.8, float(k)) for k in range(3)]
     lines = [messages_of(brain, "float16") for _ in states]
@@ -59,9 +54,8 @@ def test_a_swarm_of_robots_is_one_of_the_reference(name):
             waiting[k].clear()
             brain.functions.fuse(me)
             robots[k].tick()
-            assert robots[k].numbers() == [
-                x for field in sorted(brain.memory) for x in np.atleast_1d(getattr(me, field))
-            ]
+            due = [x for field in sorted(brain.memory) for x in np.atleast_1d(getattr(me, field))]
+            assert robots[k].numbers() == due
             assert robots[k].estimate == brain.functions.estimate(me)
     assert not any(robot.undone or robot.refused or robot.stale for robot in robots)
     assert all(robot.heard == 78 + k for k, robot in enumerate(robots)) or brain.uses.silence
@@ -75,12 +69,10 @@ def test_messages_are_read_as_in_the_reference(name, format_):
     ours, theirs, random_ = messages_of(brain, format_), Formats(brain, 1), random.Random(5)
     for tick in range(60):
         size = 10.0 ** random_.randint(-8, 20) if tick % 3 else 1.0
-        said = [
-            [random_.gauss(0.5, 1.0) * size for _ in range(items)] if items else random_.gauss(0.5, 1.0) * size
-            for items in brain.message.values()
-        ]
-        data = ours.pack(tuple(said), 0, 1, tick)
-        assert ours.unpack(data)[3] == theirs.sent(0, tuple(said))
+        counts = brain.message.values()
+        drawn = [[random_.gauss(0.5, 1.0) * size for _ in range(items or 1)] for items in counts]
+        said = [numbers if items else numbers[0] for numbers, items in zip(drawn, counts, strict=True)]
+        assert ours.unpack(ours.pack(tuple(said), 0, 1, tick))[3] == theirs.sent(0, tuple(said))
 
 
 @pytest.mark.parametrize("format_", ["float32", "float16"])
@@ -107,19 +99,14 @@ def test_checksum_finds_changed_bytes():
 
 
 def test_doubled_reordered_and_own_messages_are_left_out():
-    clock, air = Clock(), Air()
-    robot = robot_of(radio=air.radio(), clock=clock)
-    box = air.boxes[0]
-    other = messages_of(COMMONS)
+    air, other = Air(), messages_of(COMMONS)
+    robot = robot_of(radio=air.radio())
 
     def says(tick, boot=0, sender=2):
-        box.append(other.pack((1.0, 2.0), boot, sender, tick))
+        air.boxes[0].append(other.pack((1.0, 2.0), boot, sender, tick))
 
-    for tick in (5, 5, 4, 6):
-        says(tick)
-    says(1, boot=1)  # began again
-    says(7, boot=0)  # was under way meanwhile
-    says(2, boot=1)
+    for tick, boot in ((5, 0), (5, 0), (4, 0), (6, 0), (1, 1), (7, 0), (2, 1)):  # it starts again; 7 was under way
+        says(tick, boot)
     says(9, sender=1)  # its own
     robot.tick()
     assert (robot.heard, robot.stale, robot.refused) == (4, 3, 0)
@@ -165,8 +152,7 @@ def test_a_sensor_that_raises_is_started_again():
     robot.sensor = Bad(True, OSError, ValueError, None, False)
     for _ in range(50):
         robot.tick()
-    assert robot.sensor_faults == 20
-    assert robot.sensor.starts == 21
+    assert (robot.sensor_faults, robot.sensor.starts) == (20, 21)
     assert robot.me.v == pytest.approx(0.7**2 * 20)  # the other twenty readings
 
 
@@ -213,34 +199,23 @@ def test_a_slow_radio_costs_ticks_but_no_more():
 POISON = """
 MEMORY = {"x": 0.5, "v": (0.0, 0.0)}
 MESSAGE = ("x",)
-
-
 def observe(me, blacks, looks):
     me.v[0] += looks
-
-
 def broadcast(me):
     return (me.x,)
-
-
 def receive(me, message):
     me.v[1] += 1.0
     me.x = 1.0 / message[0]
     me.v[0] = message[0] * 1e300 * 1e300 if message[0] == 2.0 else me.v[0]
-
-
 def fuse(me):
     me.v[1] = 0.0
-
-
 def estimate(me):
     return me.x
 """
 
 
 def test_a_call_that_fails_is_undone_whole(tmp_path):
-    brain = brains.parse(POISON, "poison", tmp_path / "poison.py")
-    air = Air()
+    brain, air = brains.parse(POISON, "poison", tmp_path / "poison.py"), Air()
     robot = robot_of(brain, readings=itertools.repeat(True), radio=air.radio(), message="float32")
     other = messages_of(brain, "float32")
     for tick, x in enumerate((4.0, 0.0, 2.0), 1):
@@ -280,8 +255,7 @@ def test_a_file_cut_anywhere_is_found_out(tmp_path):
     robot.tick()
     whole = file.read_bytes()
     for boot, cut in enumerate([*range(0, len(whole), 5), len(whole) - 1, None], 1):
-        damaged = whole[:cut] if cut is not None else whole[:9] + b"?" + whole[10:]
-        file.write_bytes(damaged)
+        file.write_bytes(whole[:cut] if cut is not None else whole[:9] + b"?" + whole[10:])
         again = robot_of()
         again.keep(str(file), 1)
         assert (again.boot, again.ticks, again.me.v) == (boot, 0, 0.0)
@@ -355,7 +329,7 @@ def test_noise_changes_nothing(untraced, datagrams):
 @pytest.mark.parametrize("format_", ["float32", "ratio8"])
 @pytest.mark.parametrize("name", [name for name in brains.shipped() if name != "oracle"])
 def test_forged_messages_leave_a_robot_that_works(name, format_):
-    """Whoever knows the format can say anything: the estimate stays one, and the robot goes on or begins anew.
+    """Whoever knows the format can say anything: the estimate stays one, and the robot goes on or starts again.
 
     Of every brain, because each could be brought out of its numbers in a way of its own.
     """

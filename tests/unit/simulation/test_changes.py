@@ -30,9 +30,8 @@ from tests.support.places import EXAMPLE
 from tests.support.small import GO, SEED, SLOW, SWITCH, called, changing, moving_of, settings_of, study_of
 from tests.support.trials import record_ride
 
+
 # ---- what it is
-
-
 def test_a_course_is_what_the_docs_say():
     """From `at` on it moves by equal steps, and in round `until` it has arrived; a switch is one step."""
     slow = along(Change(0.8, 0.2, 4, 6).course, np.arange(1, 9))
@@ -54,8 +53,7 @@ def test_engine_dataset_and_reference_agree_on_it_to_the_bit(change):
 
 @pytest.mark.parametrize(("drift", "bound"), [(-0.03, {"least": 0.6}), (0.02, {"most": 0.85}), (-0.03, {}), (0.05, {})])
 def test_accuracies_drift_to_their_bound_and_stay(drift, bound):
-    accuracy = {"start": "U(0.7, 0.8)", "drift": drift, **bound}
-    (setting,) = settings_of(accuracy=accuracy)
+    (setting,) = settings_of(accuracy={"start": "U(0.7, 0.8)", "drift": drift, **bound})
     b, w, assumed_b, assumed_w = sampling.accuracies(setting, SEED, 0, 2)
     assert (b == w).all()
     assert (b == assumed_b).all()  # who knows its sensor knows how it began
@@ -76,15 +74,12 @@ def test_who_starts_beyond_the_bound_stays_there():
     (setting,) = settings_of(robots=60, accuracy={"start": "N(0.7, 0.2)", "drift": -0.01, "least": 0.65})
     b = sampling.accuracies(setting, SEED, 0, 1)[0][0]
     moves = sampling.drifts(setting, SEED, 0, 1, b[np.newaxis])[0]
-    below = np.flatnonzero(b < 0.65)
-    assert 5 < below.size < 55
+    assert 5 < np.flatnonzero(b < 0.65).size < 55
     ends = np.array([called(accuracy_in)(b, moves, i, 1000) for i in range(60)])
     assert (ends == np.where(b < 0.65, b, 0.65)).all()
 
 
 # ---- what it shares
-
-
 @pytest.mark.parametrize("world", [{}, {"topology": "moving", "density": 8}], ids=["fixed", "moving"])
 def test_until_it_changes_a_world_is_the_one_that_stays(world):
     """The same tiles, readings and messages; and after it none of the old floor's."""
@@ -109,8 +104,7 @@ def test_they_are_settings_of_their_own():
     assert set(results["accuracy"].values) == {"0.9", "0.9 drift=-0.001 least=0.5"}
     assert (results["assumed_accuracy"] == "0.9").all()
     assert "fill_ratio_change" not in sc.run(changing(0.25))
-    again = sc.Study.parse(made.text)
-    assert again.settings() == settings
+    assert sc.Study.parse(made.text).settings() == settings
     for text, count in (("fill_ratio == 0.25", 8), ('fill_ratio_change == "0.85 to 0.25 at 31"', 2)):
         assert where(results, text).sizes["setting"] == count
 
@@ -121,8 +115,6 @@ def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
 
 
 # ---- the same life, however it is lived
-
-
 @pytest.mark.parametrize("change", [SWITCH, SLOW], ids=["switch", "drift"])
 def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
     setting = moving_of(ticks=100, fill_ratio=change, accuracy={"start": 0.9, "drift": -0.004})
@@ -134,8 +126,6 @@ def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
 
 
 # ---- what is asked and told later
-
-
 def test_an_accuracy_is_read_from_the_text_of_a_dataset():
     """And no cost of a belief is predicted where the truth drifts."""
     told = {"start": "U(0.8, 0.9)", "drift": -0.001, "least": 0.6}
@@ -147,8 +137,6 @@ def test_an_accuracy_is_read_from_the_text_of_a_dataset():
 
 
 # ---- floors whose fill ratio changes: which tiles turn, and what is drawn of them
-
-
 IMAGE = str(EXAMPLE / "leaves.png")
 
 
@@ -170,9 +158,8 @@ def test_as_few_tiles_turn_as_can(kind):
         assert same.true_fill_ratio == ground.truth(tick)
         place = np.stack(np.meshgrid(np.arange(-5, 5), np.arange(-5, 5)), axis=-1).reshape(1, -1, 2).astype(np.int32)
         assert (same.colours(place) == ground.colours(place, tick)).all()
-    rising = sampling.ground(
-        moving_of(ticks=50, fill_ratio={"from": 0.0, "to": 1.0, "at": 11, "until": 40}, **world), SEED, 1
-    )
+    change = {"from": 0.0, "to": 1.0, "at": 11, "until": 40}
+    rising = sampling.ground(moving_of(ticks=50, fill_ratio=change, **world), SEED, 1)
     assert not rising.all_tiles().any()
     assert (rising.turns() >= 11).all()
     assert (rising.turns() <= 40).all()
@@ -182,8 +169,7 @@ def test_as_few_tiles_turn_as_can(kind):
 def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
     world = {"topology": "moving", "density": 8}
     results = sc.run(changing([SLOW, 0.25], {"start": 0.9, "drift": -0.002}, world))
-    figure = curves(results, setting=0)
-    (truth,) = [line for line in figure.axes[0].lines if line.get_label() == "truth"]
+    (truth,) = [line for line in curves(results, setting=0).axes[0].lines if line.get_label() == "truth"]
     assert truth.get_ydata() == pytest.approx(along(Change(0.85, 0.25, 31, 71).course, np.arange(101)))
     trace = scene_of(results, 0)
     ground = sampling.ground(changing(SLOW, {"start": 0.9, "drift": -0.002}, world).settings()[0], 7, 0)
@@ -192,9 +178,8 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
         arena.show(tick)
         drawn = np.asarray(arena.image.get_array())
         assert (drawn < 0.9).mean() == pytest.approx(float(ground.truth(tick)), abs=0.05)
-        assert f"true f = {float(along(Change(0.85, 0.25, 31, 71).course, tick)):.4g}" in [
-            text.get_text() for text in arena.bar.get_yticklabels()
-        ]
+        truth = f"true f = {float(along(Change(0.85, 0.25, 31, 71).course, tick)):.4g}"
+        assert truth in [text.get_text() for text in arena.bar.get_yticklabels()]
     assert len(arena.axes.child_axes) == 1
     assert arena.paint(100) is False
     empty = Arena(trace.drop_vars([FLOOR, TURNS]))
@@ -205,15 +190,12 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
 
 
 def test_a_floor_that_cannot_tell_which_tiles_turn_is_refused(tmp_path, monkeypatch):
-    module = patterns.PLUGINS.module("tiles")
-    monkeypatch.delattr(module, "level")
+    monkeypatch.delattr(patterns.PLUGINS.module("tiles"), "level")
     with pytest.raises(sc.InputError, match=r'world.floor = "?tiles'):
         changing(SWITCH, world={"topology": "moving", "density": 8, "floor": "tiles"})
 
 
 # ---- fill ratios that each trial draws: how, for whom, and that all else refers to what was drawn
-
-
 DRAWN = "U(0.3, 0.7)"
 MEASURE = Metrics(0.02, 10, (2, 8), estimates=True)
 
@@ -225,8 +207,7 @@ def drawn_of(setting, trials):
 @pytest.mark.parametrize(("spread", "law"), [(DRAWN, stats.uniform(0.3, 0.4)), ("N(0.5, 0.05)", stats.norm(0.5, 0.05))])
 def test_trials_draw_from_the_spread(spread, law):
     (setting,) = settings_of(fill_ratio=spread)
-    assert setting.fill_ratio == 0.5
-    assert settings_of(fill_ratio="U(0.2, 0.4)")[0].fill_ratio == 0.3
+    assert (setting.fill_ratio, settings_of(fill_ratio="U(0.2, 0.4)")[0].fill_ratio) == (0.5, 0.3)
     drawn = drawn_of(setting, 1000)
     assert stats.kstest(drawn, law.cdf).pvalue > 1e-3  # fails for one seed in a thousand
     assert abs(stats.pearsonr(drawn[:-1], drawn[1:])[0]) < 3.3 / 1000**0.5  # the same
@@ -307,9 +288,7 @@ def test_replays_and_comparisons_know_what_was_drawn(results):
     assert trace.attrs["fill_ratio"] == results["drawn_fill_ratio"].values[0, 3]
     assert trace["estimate"].values[-1].tolist() == results["final_estimate"].values[0, 3].tolist()
     assert [*compare(results).grid.worlds[0]] == ["fill_ratio", "fill_ratio_spread"]
-    assert compare(results, factor="fill_ratio_spread").contenders == [
-        "fill_ratio_spread=U(0.3,0.7)", "f fixed",
-    ]  # fmt: skip
+    assert compare(results, factor="fill_ratio_spread").contenders == ["fill_ratio_spread=U(0.3,0.7)", "f fixed"]
 
 
 def test_results_of_studies_with_and_without_merge(results):
@@ -321,16 +300,13 @@ def test_results_of_studies_with_and_without_merge(results):
     assert json.loads(merged.attrs["merged"])
 
 
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [
-        ("U(0.3", "a fill ratio is a number in [0, 1], or a shipped spread"),
-        ("0.5", "a fill ratio is a number in [0, 1], or a shipped spread"),
-        ("mine.py(1)", "a fill ratio is a number in [0, 1], or a shipped spread"),
-        ("U(0.5, 1.5)", "a fill ratio is a number in [0, 1], or a shipped spread"),
-        ({"spread": "U", "lo": [], "hi": 0.5}, "lo = []: should be a list of at least one"),
-    ],
-)
+@pytest.mark.parametrize(("value", "said"), [
+    ("U(0.3", "a fill ratio is a number in [0, 1], or a shipped spread"),
+    ("0.5", "a fill ratio is a number in [0, 1], or a shipped spread"),
+    ("mine.py(1)", "a fill ratio is a number in [0, 1], or a shipped spread"),
+    ("U(0.5, 1.5)", "a fill ratio is a number in [0, 1], or a shipped spread"),
+    ({"spread": "U", "lo": [], "hi": 0.5}, "lo = []: should be a list of at least one"),
+])  # fmt: skip
 def test_wrong_spreads_are_refused(value, said):
     with pytest.raises(sc.InputError) as refused:
         study_of(fill_ratio=value)

@@ -60,14 +60,9 @@ def test_error_rate_of_the_sequential_test(wrong):
     """600 robots alone: Wald's bound on the share of wrong decisions, and four standard errors; error rate 0.01 %."""
     lonely = {"name": "nobody", "edges": []}
     (setting,) = fixed(
-        SPRT.with_parameters({"wrong": wrong, "margin": 0.1}),
-        robots=600,
-        rounds=400,
-        accuracy=0.8,
-        looks=5,
-        fill_ratio=0.6,
-        topology=lonely,
-    )
+        SPRT.with_parameters({"wrong": wrong, "margin": 0.1}), robots=600, rounds=400, accuracy=0.8, looks=5,
+        fill_ratio=0.6, topology=lonely,
+    )  # fmt: skip
     verdicts = run_batch(setting, SEED, 0, 1, MEASURE, GO).verdicts[0]
     decided = verdicts[:, 0]
     assert (decided >= 0).mean() > 0.99
@@ -77,12 +72,9 @@ def test_error_rate_of_the_sequential_test(wrong):
 
 
 WRONG = {
-    "me.t * 0 + 2": "2",
-    "me.t * 0 - 2": "-2",
-    "0.5 + 0 * me.t": "0.5",
-    "me.t * 1e300 * 1e300": "inf",
+    "me.t * 0 + 2": "2", "me.t * 0 - 2": "-2", "0.5 + 0 * me.t": "0.5", "me.t * 1e300 * 1e300": "inf",
     "math.inf - math.inf * me.t": "nan",
-}
+}  # fmt: skip
 
 
 @pytest.mark.interpreted
@@ -114,8 +106,7 @@ def test_an_infinite_interval_has_no_width():
 def test_nobody_is_asked_to_decide_before_the_first_round():
     """A brain that divides by what it has seen need not ask whether it has seen anything."""
     source = MEANS + "\n\ndef decide(me):\n    return 1 if me.n / me.t > 0.5 else 0\n"
-    found = told(source + "\n\ndef done(me):\n    return me.t > 3.0\n")
-    assert (found["decision_round"] == 1).all()
+    assert (told(source + "\n\ndef done(me):\n    return me.t > 3.0\n")["decision_round"] == 1).all()
     (setting,) = fixed(brain(source))
     fields, _, _ = record_trial(setting, SEED, 0)
     assert (fields["decided"][0] == -1).all()

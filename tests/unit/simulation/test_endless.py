@@ -22,11 +22,9 @@ ENDLESS = (
     )
 )  # fmt: skip
 STUDY = {
-    "trials": 2,
-    "seed": 1,
-    "world": {"topology": "ring", "fill_ratio": 0.5},
+    "trials": 2, "seed": 1, "world": {"topology": "ring", "fill_ratio": 0.5},
     "schedule": {"rounds": 10, "observations_per_round": 10},
-}
+}  # fmt: skip
 
 
 def study_of(folder, source=ENDLESS, robots=4, **more):

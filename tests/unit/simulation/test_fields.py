@@ -47,26 +47,21 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(here, what):
     faults = [one.fault for one in suite.examine(brains.load("beyond.py"), PROMISES) if one.fault]
     assert any(f"{function} fails at line" in fault and "IndexError" in fault for fault in faults)
     study = study_of("beyond.py", robots=3, accuracy=0.7, rounds=4, trials=1, fill_ratio=0.5)
-    with pytest.raises(
-        InputError, match=r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
-    ):
+    said = r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
+    with pytest.raises(InputError, match=said):
         sc.run(study)
 
 
-@pytest.mark.parametrize(
-    ("message", "given", "said"),
-    [
-        pytest.param(
-            '("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says", marks=pytest.mark.long
-        ),
-        ('("seen",)', "(me.n,)", "it cannot be compiled"),
-        ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
-    ],
-)
+@pytest.mark.parametrize(("message", "given", "said"), [
+    pytest.param(
+        '("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says", marks=pytest.mark.long
+    ),
+    ('("seen",)', "(me.n,)", "it cannot be compiled"),
+    ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
+])  # fmt: skip
 def test_a_message_of_another_shape_is_refused(message, given, said):
-    source = changed(
-        ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS
-    )
+    changes = ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}")
+    source = changed(*changes, source=COUNTS)
     source = changed(("me.heard[k] += message[0][k]", "me.heard[k] += 1.0"), source=source)
     (setting,) = fixed(brain(source))
     with pytest.raises(InputError, match=said):
@@ -102,8 +97,6 @@ def test_a_belief_over_ten_bins_is_bayes_rule():
 
 
 # ---- fields of a record are its attributes in CPython, whatever NumPy calls so
-
-
 NUMPYS = sorted(name for name in {*dir(np.recarray), *dir(np.record)} if not name.startswith("_"))
 
 
@@ -125,8 +118,6 @@ def test_a_number_is_one_of_cpython():
 
 
 # ---- me.name: robots are told apart, and a brain that asks for it is not anonymous
-
-
 LEADER = brains.load(EXAMPLE / "leader.py")
 HEARS = changed(
     ("MEMORY = {", 'MEMORY = {"own": -1.0, "sum": 0.0, '),

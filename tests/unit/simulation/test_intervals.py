@@ -26,9 +26,7 @@ def test_coverage_and_width_of_lone_robots(looks, f, z):
     """Readings are binomial, and so the coverage and width exactly known: error rate 0.1 % of each of the two tests."""
     b, rounds, robots = 0.8, 3, 2000
     used = brain(WALD).with_parameters({"z": z})
-    (setting,) = fixed(
-        used, robots=robots, rounds=rounds, looks=looks, accuracy=b, fill_ratio=f, topology=ALONE
-    )  # fmt: skip
+    (setting,) = fixed(used, robots=robots, rounds=rounds, looks=looks, accuracy=b, fill_ratio=f, topology=ALONE)
     batch = run_batch(setting, SEED, 0, 5, Metrics(0.01, 10, (1, rounds)), GO)
     for c, made in enumerate((looks, looks * rounds)):
         ends = []
@@ -58,19 +56,13 @@ def test_interval_that_fails_in_a_replay_is_reported(world, here, refused):
 
 
 # ---- answers that are refused: of `interval` before anything runs, by the suite and where robots are asked; estimates
-
-
-WRONG = {
-    "the wrong way round": ({"low": 0.75, "high": 0.25}, r"\(0.75, 0.25\)"),
-    "below 0": ({"low": -0.5, "high": 0.25}, r"\(-0.5, 0.25\)"),
-    "above 1": ({"low": 0.5, "high": 1.5}, r"\(0.5, 1.5\)"),
-    "no number": ({"low": 0.5, "big": 1e200}, r"\(nan, 1\)"),
-}
-
-
-@pytest.mark.parametrize("what", WRONG)
-def test_what_is_no_interval_is_refused(what):
-    given, shown = WRONG[what]
+@pytest.mark.parametrize(("given", "shown"), [
+    ({"low": 0.75, "high": 0.25}, r"\(0.75, 0.25\)"),
+    ({"low": -0.5, "high": 0.25}, r"\(-0.5, 0.25\)"),
+    ({"low": 0.5, "high": 1.5}, r"\(0.5, 1.5\)"),
+    ({"low": 0.5, "big": 1e200}, r"\(nan, 1\)"),
+], ids=["the wrong way round", "below 0", "above 1", "no number"])  # fmt: skip
+def test_what_is_no_interval_is_refused(given, shown):
     used = brain(SAYS).with_parameters(given | {"since": 3.0})
     right = r"two numbers, 0 <= low <= high <= 1, are right, or \(0.0, 1.0\) if nothing is known"
     said = f"brain 'brain.py' fails in trial 1 of .*, after {{}}: interval gives {shown}: {right}$"
@@ -93,11 +85,9 @@ ADDS = MEANS.replace("MEMORY", 'PARAMETERS = {"add": 0.0, "big": 0.0}\nMEMORY', 
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("given", "shown"),
-    [({"add": 1.0}, "1.5"), ({"add": -5.5}, "-5"), ({"big": 1e200}, "nan"), ({"add": 1e-5 + 0.5}, "1.00001")],
-    ids=str,
-)
+@pytest.mark.parametrize(("given", "shown"), [
+    ({"add": 1.0}, "1.5"), ({"add": -5.5}, "-5"), ({"big": 1e200}, "nan"), ({"add": 1e-5 + 0.5}, "1.00001"),
+], ids=str)  # fmt: skip
 def test_estimate_outside_0_to_1_fails_its_trial(given, shown):
     used = brain(ADDS).with_parameters(given)
     said = rf"^brain 'brain.py' fails in trial 1 of .*: robot {{}}: estimate gives {shown}: a number in \[0, 1\] is"

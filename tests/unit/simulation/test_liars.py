@@ -62,9 +62,8 @@ def test_liars_are_a_number_and_have_a_name(data):
     who = ["always-black", "slow-liar pace=0.01", "slow-liar pace=0.02", "jammer", "grey.py"]
     assert data["adversary"].values.tolist() == 2 * ["", *who, *who]
     assert data["members"].values[6] == "0.3 always-black, not honest"
-    assert (
-        np.isfinite(data["final_estimate"].values[:11]).sum(axis=(1, 2)) == 3 * (10 - data["liars"].values[:11])
-    ).all()
+    known = np.isfinite(data["final_estimate"].values[:11]).sum(axis=(1, 2))
+    assert (known == 3 * (10 - data["liars"].values[:11])).all()
     assert json.loads(data.attrs["brains"]).keys() == {"minimalistic", "legacy"}
     assert json.loads(data.attrs["adversaries"]).keys() == {"always-black", "slow-liar", "jammer", "grey.py"}
     assert where(data, "liars == 3 and adversary == 'jammer'").sizes["setting"] == 2
@@ -83,12 +82,9 @@ def test_liars_shift_what_the_honest_believe(data):
 
 
 # ---- results stand for themselves
-
-
 def test_a_trial_is_replayed(here, data):
     for setting in (0, 6, 7, 21):
-        trace = sc.replay(data, setting=setting, trial=1)
-        assert trace.sizes["robot"] == 10
+        assert sc.replay(data, setting=setting, trial=1).sizes["robot"] == 10
     assert np.isfinite(sc.replay(data, setting=7, trial=0)["liar_far"].values[-1]).sum() == 3
     assert (sc.replay(data, setting=7, trial=0)["liar_far"].max() == pytest.approx(0.12)).item()
 
@@ -113,25 +109,21 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     assert {a.name: a.source for a in there.adversaries} == {a.name: a.source for a in study.adversaries}
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("honest = false", "", "members[0].brain = 'always-black'"),
-        ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wraps the brain of its swarm"),
-        ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
-        ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
-        ('"grey.py"', '"bad.py"', "bad.py, line 2: lie uses me.y"),
-        ('"grey.py"', '"none.py"', "none.py"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("honest = false", "", "members[0].brain = 'always-black'"),
+    ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wraps the brain of its swarm"),
+    ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
+    ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
+    ('"grey.py"', '"bad.py"', "bad.py, line 2: lie uses me.y"),
+    ('"grey.py"', '"none.py"', "none.py"),
+])  # fmt: skip
 def test_wrong_liars_are_named(tmp_path, old, new, said):
     (tmp_path / "grey.py").write_text(MINE)
     (tmp_path / "bad.py").write_text("def lie(me, x):\n    return me.y\n")
     (tmp_path / "mute.py").write_text(MEANS.replace('("x",)', '("words",)'))
     assert old in STUDY
-    with pytest.raises(sc.InputError) as caught:
+    with pytest.raises(sc.InputError, match=re.escape(said)):
         sc.Study.parse(STUDY.replace(old, new, 1), context={"base": tmp_path})
-    assert said in str(caught.value)
 
 
 @pytest.mark.long
@@ -146,10 +138,9 @@ def test_a_lie_that_fails_is_named_with_its_line(tmp_path, monkeypatch, capsys):
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
-@pytest.mark.parametrize(
-    ("kind", "name", "source"),
-    [("brain", "theirs.py", f"{MEANS}\n\ndef decide(me):\n    return 1\n"), ("adversary", "grey.py", MINE)],
-)
+@pytest.mark.parametrize(("kind", "name", "source"), [
+    ("brain", "theirs.py", f"{MEANS}\n\ndef decide(me):\n    return 1\n"), ("adversary", "grey.py", MINE),
+])  # fmt: skip
 def test_a_file_of_members_is_not_run_unasked(kind, name, source, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("ours.py").write_text(MEANS)

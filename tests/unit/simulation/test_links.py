@@ -77,8 +77,7 @@ def test_a_trial_is_that_of_the_network_without_these_links(topology, brain, del
         found, expected = (run_batch(one, SEED, trial, 1, Metrics(0.01, 10, (5,)), GO) for one in (setting, same))
         assert (found.final == expected.final).all()
         assert (found.counts == expected.counts).all()
-    batch = run_batch(setting, SEED, 0, 3, Metrics(0.01, 10, (5,)), GO)
-    assert (batch.final[2] == found.final[0]).all()
+    assert (run_batch(setting, SEED, 0, 3, Metrics(0.01, 10, (5,)), GO).final[2] == found.final[0]).all()
 
 
 def test_results_say_how_many_links_are_missing():
@@ -88,8 +87,7 @@ def test_results_say_how_many_links_are_missing():
     assert heard[0] == 80 > heard[1] > heard[2] == 0
     variances = [sc.explain(data, setting).theory["mixed"].variance[-1] for setting in range(3)]
     assert variances == sorted(variances)  # theory knows each trial's links
-    trace = sc.replay(data, 1, 2)
-    assert "0.5 of links missing" in trace.attrs["title"]
+    assert "0.5 of links missing" in sc.replay(data, 1, 2).attrs["title"]
 
 
 def test_a_full_network_that_is_too_large_is_refused():
@@ -98,8 +96,6 @@ def test_a_full_network_that_is_too_large_is_refused():
 
 
 # ---- messages that are rounds late on fixed networks: held against the reference and sums by hand, and what is told
-
-
 def test_late_messages_have_the_same_draws_and_losses():
     """Settings that differ in the delay alone see the same tiles, and lose the messages of the same rounds."""
     now, late = settings_of(robots=8, rounds=60, link_success=0.5, message_delay=[0, 5])
@@ -112,19 +108,16 @@ def test_late_messages_have_the_same_draws_and_losses():
     assert (counts[0][HEARD] - counts[1][HEARD] == first[0][HEARD]).all()
 
 
-@pytest.mark.parametrize(
-    ("world", "tables", "said"),
-    [
-        (RING | {"missing_links": 1.5}, {}, "world.missing_links = 1.5"),
-        (RING | {"missing_links": [0.5, 0.5]}, {}, "a value is twice"),
-        (MOVING | {"missing_links": 0.5}, {}, "world.missing_links"),
-        (RING | {"message_delay": 1000}, {}, "world.message_delay = 1000"),
-        (RING, {"case": [{"rounds": 9, "message_delay": [0, 9]}]}, "case[0].message_delay = 9"),
-        (RING | {"message_delay": -1}, {}, "world.message_delay = -1"),
-        (MOVING | {"message_delay": 2}, {}, "is world.body.message_delay, in ticks"),
-        (RING | {"message_delay": [2, 2]}, {}, "a value is twice"),
-    ],
-)
+@pytest.mark.parametrize(("world", "tables", "said"), [
+    (RING | {"missing_links": 1.5}, {}, "world.missing_links = 1.5"),
+    (RING | {"missing_links": [0.5, 0.5]}, {}, "a value is twice"),
+    (MOVING | {"missing_links": 0.5}, {}, "world.missing_links"),
+    (RING | {"message_delay": 1000}, {}, "world.message_delay = 1000"),
+    (RING, {"case": [{"rounds": 9, "message_delay": [0, 9]}]}, "case[0].message_delay = 9"),
+    (RING | {"message_delay": -1}, {}, "world.message_delay = -1"),
+    (MOVING | {"message_delay": 2}, {}, "is world.body.message_delay, in ticks"),
+    (RING | {"message_delay": [2, 2]}, {}, "a value is twice"),
+])  # fmt: skip
 def test_wrong_values_are_named(world, tables, said):
     with pytest.raises(sc.InputError) as caught:
         sc.Study(**{"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": world} | tables)
@@ -147,8 +140,6 @@ def test_results_say_how_late_messages_were():
 
 
 # ---- networks that are not connected are named before a run, and `explain` says so
-
-
 SPARSE = {"networkx": "gnp_random_graph", "p": 0.05}
 TWO = {"name": "two", "edges": [[0, 1], [1, 2], [3, 4]]}
 
@@ -165,19 +156,16 @@ def test_components_are_those_of_networkx(seed, directed):
     assert components(30, twice[:, 1], twice[:, 0], starts).tolist() == [count(graph), 30, count(graph)]
 
 
-@pytest.mark.parametrize(
-    ("world", "said"),
-    [
-        ({"topology": SPARSE, "robots": 40, "trials": 20},
-         r"'gnp_random_graph\(p=0.05\)' of 40 robots: 20 of 20 networks are not connected: "
-         r"[\d.]+ components on average, and a mean degree of 2$"),
-        ({"topology": TWO}, "'two' of 5 robots: its network is not connected: 2 components, and a mean degree of 1.2"),
-        ({"topology": {"name": "out", "edges": [[0, 1], [0, 2], [0, 3], [0, 4]], "directed": True}},
-         "'out' of 5 robots: its network is not connected: 5 components, and a mean degree of 0.8"),
-        ({"topology": "ring", "robots": 20, "missing_links": 0.5, "trials": 9},
-         "'ring' of 20 robots with missing_links = 0.5: 9 of 9 networks are not connected"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("world", "said"), [
+    ({"topology": SPARSE, "robots": 40, "trials": 20},
+     r"'gnp_random_graph\(p=0.05\)' of 40 robots: 20 of 20 networks are not connected: "
+     r"[\d.]+ components on average, and a mean degree of 2$"),
+    ({"topology": TWO}, "'two' of 5 robots: its network is not connected: 2 components, and a mean degree of 1.2"),
+    ({"topology": {"name": "out", "edges": [[0, 1], [0, 2], [0, 3], [0, 4]], "directed": True}},
+     "'out' of 5 robots: its network is not connected: 5 components, and a mean degree of 0.8"),
+    ({"topology": "ring", "robots": 20, "missing_links": 0.5, "trials": 9},
+     "'ring' of 20 robots with missing_links = 0.5: 9 of 9 networks are not connected"),
+])  # fmt: skip
 def test_networks_that_are_not_connected_are_named_before_a_run(world, said):
     with pytest.warns(UserWarning, match=said):
         results = sc.run(study_of(accuracy=0.9, rounds=40, **world), jobs=1)
@@ -188,11 +176,10 @@ def test_networks_that_are_not_connected_are_named_before_a_run(world, said):
     assert (found.terms["unconnected"] > found.terms["sensors"]) == ("out" not in said)
 
 
-@pytest.mark.parametrize(
-    "world",
-    [{"topology": "ring"}, {"topology": "full"}, {"topology": "moving", "density": 1.0, "ticks": 5},
-     {"topology": TWO, "brain": "alone"}, {"topology": TWO, "link_success": 0.0}],
-)  # fmt: skip
+@pytest.mark.parametrize("world", [
+    {"topology": "ring"}, {"topology": "full"}, {"topology": "moving", "density": 1.0, "ticks": 5},
+    {"topology": TWO, "brain": "alone"}, {"topology": TWO, "link_success": 0.0},
+])  # fmt: skip
 def test_nothing_is_said_of_networks_that_are_connected_or_not_used(world):
     study = study_of(**world)
     assert connections(study.settings()[0], study.seed, study.trials).apart == 0

@@ -26,32 +26,26 @@ def by_definition(curve, delta):
     st.sampled_from([0.05, 0.1, 0.15, 0.31]),
 )
 def test_convergence_is_the_first_index_near_to_all_later_ones(curves, delta):
-    expected = [by_definition(curve, delta) for curve in curves.T]
-    assert metrics.convergence(curves, delta).tolist() == expected
+    assert metrics.convergence(curves, delta).tolist() == [by_definition(curve, delta) for curve in curves.T]
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("estimates", "expected"),
-    [
-        ([0.4], 0.0),
-        ([0.4, 0.6], (0.59 - 0.41) / 2),  # 5 % and 95 % of the way
-        ([0.1, 0.5, 0.5, 0.5, 0.9], (0.82 - 0.18) / 2),  # a fifth of a step from each end
-        ([*np.arange(100) / 100, 1.0], 0.45),
-    ],
-)
+@pytest.mark.parametrize(("estimates", "expected"), [
+    ([0.4], 0.0),
+    ([0.4, 0.6], (0.59 - 0.41) / 2),  # 5 % and 95 % of the way
+    ([0.1, 0.5, 0.5, 0.5, 0.9], (0.82 - 0.18) / 2),  # a fifth of a step from each end
+    ([*np.arange(100) / 100, 1.0], 0.45),
+])  # fmt: skip
 def test_disagreement_is_half_the_width_of_the_middle_nine_tenths(estimates, expected):
     for order in (estimates, estimates[::-1]):
         assert half_width(np.array(order)) == pytest.approx(expected)
         rows, nobody = np.array([order]), np.zeros(0, np.bool_)
-        found = called(agreement.half_width)(rows[0], nobody, np.empty(len(order)))
-        assert found == half_width(rows[0])
+        assert called(agreement.half_width)(rows[0], nobody, np.empty(len(order))) == half_width(rows[0])
 
 
-@pytest.mark.parametrize(
-    ("widths", "expected"),
-    [([0, 0, 0], 0), ([3, 0, 0], 1), ([0, 3, 2], 2), ([0, 0, 3], np.inf), ([2], 0), ([3], np.inf)],
-)
+@pytest.mark.parametrize(("widths", "expected"), [
+    ([0, 0, 0], 0), ([3, 0, 0], 1), ([0, 3, 2], 2), ([0, 0, 3], np.inf), ([2], 0), ([3], np.inf),
+])  # fmt: skip
 def test_agreement_is_within_delta_to_the_end(widths, expected):
     """Exactly delta is within."""
     curves = 0.5 + np.outer(widths, [-1.0] * 10 + [0.0] + [1.0] * 10) / 32
@@ -83,27 +77,24 @@ def test_a_row_that_is_just_too_wide_is_found(robots, lying):
     assert found == {0.0, 1.0}
 
 
-@pytest.mark.parametrize(
-    ("fill_ratio", "estimate", "right"),
-    [
-        (0.55, 0.5, True),
-        (0.55, 0.59999, True),
-        (0.55, 0.6, False),
-        (0.55, 0.49999, False),
-        (0.95, 0.9, True),
-        (0.95, 1.0, True),  # the last bin is closed
-        (1.0, 0.93, True),
-        (0.0, 0.0, True),
-        (0.0, -0.1, True),  # the first and the last are open to what no fill ratio is
-        (1.0, 1.1, True),
-        (0.0, 0.1, False),
-        (0.3, 0.3, True),
-        (0.3, 0.29999, False),
-        (0.7, 0.7, True),
-        (0.75, 0.81, False),  # the paper's own example
-        (0.75, 0.73, True),
-    ],
-)
+@pytest.mark.parametrize(("fill_ratio", "estimate", "right"), [
+    (0.55, 0.5, True),
+    (0.55, 0.59999, True),
+    (0.55, 0.6, False),
+    (0.55, 0.49999, False),
+    (0.95, 0.9, True),
+    (0.95, 1.0, True),  # the last bin is closed
+    (1.0, 0.93, True),
+    (0.0, 0.0, True),
+    (0.0, -0.1, True),  # the first and the last are open to what no fill ratio is
+    (1.0, 1.1, True),
+    (0.0, 0.1, False),
+    (0.3, 0.3, True),
+    (0.3, 0.29999, False),
+    (0.7, 0.7, True),
+    (0.75, 0.81, False),  # the paper's own example
+    (0.75, 0.73, True),
+])  # fmt: skip
 def test_bins(fill_ratio, estimate, right):
     assert metrics.correct(np.array([estimate]), fill_ratio) == right
     low, high = right_bin(fill_ratio)  # ten bins, as a study has them where it says nothing

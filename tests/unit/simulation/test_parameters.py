@@ -1,5 +1,8 @@
 """PARAMETERS: numbers that a brain only reads, and a study sweeps."""
 
+import itertools
+import re
+
 import numpy as np
 import pytest
 
@@ -8,26 +11,20 @@ from swarmcensus.engine import compiler
 from swarmcensus.studies import addresses
 from tests.support.second import MEANS, brain, changed
 
+OF_PRIOR = "return (me.n + me.prior * me.among[1]) / (me.t + me.prior) * (1.0 - me.among[0])"
 PRIOR = changed(
     ("MEMORY =", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY ='),
-    (
-        "return me.n / me.t if me.t > 0.0 else 0.5",
-        "return (me.n + me.prior * me.among[1]) / (me.t + me.prior) * (1.0 - me.among[0])",
-    ),
+    ("return me.n / me.t if me.t > 0.0 else 0.5", OF_PRIOR),
 )
 STUDY = """
 name = "swept"
 seed = 4
 trials = 2
-[swarm]
-brain    = ["plain.py", {file = "prior.py", prior = [1, 10.0, 40], among = [[0.25, 0.75], [0.0, 0.5]]}]
-robots   = 4
-accuracy = 0.8
-[world]
-topology   = "ring"
-fill_ratio = 0.55
-[schedule]
-rounds = 6
+swarm.brain = ["plain.py", {file = "prior.py", prior = [1, 10.0, 40], among = [[0.25, 0.75], [0.0, 0.5]]}]
+swarm.robots = 4
+swarm.accuracy = 0.8
+world = {topology = "ring", fill_ratio = 0.55}
+schedule.rounds = 6
 """
 
 
@@ -45,9 +42,7 @@ def test_every_combination_is_a_setting(here):
     told = list(zip(data["brain"].values, data["prior"].values, data["among"].values, strict=True))
     assert told[0][0] == "plain.py"
     assert np.isnan(told[0][1])
-    assert [one[1:] for one in told[1:]] == [
-        (prior, among) for prior in (1.0, 10.0, 40.0) for among in ("(0.25, 0.75)", "(0, 0.5)")
-    ]
+    assert [one[1:] for one in told[1:]] == [*itertools.product((1.0, 10.0, 40.0), ("(0.25, 0.75)", "(0, 0.5)"))]
     assert len(set(data["fingerprint"].values.tolist())) == 7
 
 
@@ -78,27 +73,23 @@ def test_other_values_need_no_other_machine_code():
     assert (compiler.array_layout(swept).blank.view(np.float64) == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("prior = [1", "prio = [1", "no parameter 'prio': did you mean 'prior'"),
-        ('["plain.py"', '[{file = "plain.py", prior = 1}', "'plain.py' has no parameter 'prior': it has none"),
-        ("[1, 10.0, 40]", "true", "prior = True: not a number"),
-        ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
-        ("[1, 10.0, 40]", "[]", "prior = []"),
-        ("[1, 10.0, 40]", "[1, 1.0]", "two entries of swarm.brain have one name: plain.py, prior.py prior=1.0"),
-        ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]"),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "[0.1, 0.2, 0.3]", "among = [0.1, 0.2, 0.3]"),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5"),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "[[0.1, nan]]", "among = [0.1, nan]: not a number"),
-        ('file = "prior.py", ', "", "a brain with parameters is a table such as"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("prior = [1", "prio = [1", "no parameter 'prio': did you mean 'prior'"),
+    ('["plain.py"', '[{file = "plain.py", prior = 1}', "'plain.py' has no parameter 'prior': it has none"),
+    ("[1, 10.0, 40]", "true", "prior = True: not a number"),
+    ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
+    ("[1, 10.0, 40]", "[]", "prior = []"),
+    ("[1, 10.0, 40]", "[1, 1.0]", "two entries of swarm.brain have one name: plain.py, prior.py prior=1.0"),
+    ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]"),
+    ("[[0.25, 0.75], [0.0, 0.5]]", "[0.1, 0.2, 0.3]", "among = [0.1, 0.2, 0.3]"),
+    ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5"),
+    ("[[0.25, 0.75], [0.0, 0.5]]", "[[0.1, nan]]", "among = [0.1, nan]: not a number"),
+    ('file = "prior.py", ', "", "a brain with parameters is a table such as"),
+])  # fmt: skip
 def test_wrong_values_are_named(here, old, new, said):
     assert old in STUDY
-    with pytest.raises(sc.InputError, match=r"swarm\.brain") as caught:
+    with pytest.raises(sc.InputError, match=rf"(?=.*swarm\.brain).*{re.escape(said)}"):
         sc.Study.parse(STUDY.replace(old, new))
-    assert said in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["robots", "trial", "final_estimate", "members"])

@@ -31,15 +31,15 @@ OWN = {"all.py": ALL, "adds.py": ADDS, "talks.py": TALKS, "steers.py": ALL + STE
 
 def worked_out(study, setting, trace):
     """The variables of a trial's replay, by their definitions, with the honest robots first as results have them."""
-    honest, curves = honest_in(trace), trace["estimate"].values
-    curves = curves[:, honest]
+    honest = honest_in(trace)
+    curves = trace["estimate"].values[:, honest]
     rounds = np.arange(len(curves))
     truths = setting.fill_ratios(rounds)
     out = {}
     if setting.body is not None:
         name = "true_fill_ratio"
         on_floor = trace[name].values if name in trace else np.full(len(rounds), trace.attrs[name])
-        out["true_fill_ratio"] = on_floor[-1]
+        out[name] = on_floor[-1]
         truths = on_floor if study.measure.truth == "floor" else truths
     index = metrics.convergence(curves, study.measure.delta)
     out["convergence_round"] = index
@@ -228,9 +228,7 @@ def hold(seed, names, monkeypatch, **drawing):
 
 def test_a_run_records_what_its_replays_show(here, monkeypatch):
     """On networks and of robots that move, with intervals, ends and lies; of brains that compile quickly."""
-    one = SimpleNamespace(
-        shipped=["swarm-right"] * len(PLUGINS.shipped)
-    )  # metric, compiled once; the next test has all
+    one = SimpleNamespace(shipped=["swarm-right"] * len(PLUGINS.shipped))  # compiled once; the next test has all
     monkeypatch.setattr("tests.support.drawn.METRICS", one)
     names = [*["minimalistic"] * 7, *["wald.py"] * 3, *["leaver"] * 2]
     found, compared, short = all_differences(1, names, monkeypatch, ("noisy-mirror",))
@@ -239,11 +237,9 @@ def test_a_run_records_what_its_replays_show(here, monkeypatch):
     assert short >= 3
 
 
-@pytest.mark.parametrize(
-    ("world", "truth"),
-    [({"rounds": 100}, "nominal"), ({"ticks": 100}, "nominal"), ({"ticks": 100, "body": {"tile": 0.2}}, "floor")],
-    ids=["ring", "moving", "floor"],
-)
+@pytest.mark.parametrize(("world", "truth"), [
+    ({"rounds": 100}, "nominal"), ({"ticks": 100}, "nominal"), ({"ticks": 100, "body": {"tile": 0.2}}, "floor"),
+], ids=["ring", "moving", "floor"])  # fmt: skip
 def test_all_is_measured_of_the_honest_against_the_truth_of_the_round(world, truth, here):
     """Errors, shares of right robots, intervals and metrics of files, while the floor changes."""
     measure = {"checkpoints": [10, 30, 31, 50, 71, 100], "truth": truth, "metrics": [*PLUGINS.shipped]}
@@ -255,9 +251,8 @@ def test_all_is_measured_of_the_honest_against_the_truth_of_the_round(world, tru
 
 
 def test_replays_of_trials_that_fail_say_what_the_run_says(here):
-    study = study_of(
-        "fails.py", robots=3, accuracy=0.6, rounds=6, looks=100, trials=TRIALS, fill_ratio=[0.55, 0.65, 0.7]
-    )
+    fills = [0.55, 0.65, 0.7]
+    study = study_of("fails.py", robots=3, accuracy=0.6, rounds=6, looks=100, trials=TRIALS, fill_ratio=fills)
     found, compared = differences(study)
     assert not found, "\n".join(found)
     assert 0 < compared < 3 * TRIALS

@@ -54,8 +54,7 @@ def test_steps_left_over_end_without_an_exchange(compiled):
 @BOTH
 @pytest.mark.parametrize("every", [1, 2])
 def test_messages_are_heard_at_their_step(compiled, every):
-    rows = [[3, 0, 2], [0, 0, 1], [1, 1, 0], [1, 2, 0]]
-    trace = sc.infer(READINGS, rows, 0.8, every, compiled=compiled)
+    trace = sc.infer(READINGS, [[3, 0, 2], [0, 0, 1], [1, 1, 0], [1, 2, 0]], 0.8, every, compiled=compiled)
     expected = by_hand(READINGS, every, {0: [(0, 1)], 1: [(1, 0), (2, 0)], 3: [(0, 2)]})
     assert (trace["estimate"].values == expected).all()
 
@@ -83,9 +82,8 @@ def test_a_trial_on_directed_links_is_recorded_as_messages():
 
 def test_default_length_of_a_round():
     readings = np.ones((20, 2))
-    assert sc.infer(readings, [[0, 1]], 0.8).sizes["round"] == 3
-    assert sc.infer(readings, [[5, 0, 1]], 0.8).sizes["round"] == 21
-    assert sc.infer(readings, None, 0.8).sizes["round"] == 3
+    for links, rounds in (([[0, 1]], 3), ([[5, 0, 1]], 21), (None, 3)):
+        assert sc.infer(readings, links, 0.8).sizes["round"] == rounds
 
 
 def test_forms_of_accuracy():
@@ -98,43 +96,39 @@ def test_forms_of_accuracy():
     assert several[0] == final({"black": 0.9, "white": 0.7})[0] == pytest.approx((0.5 + 0.7 - 1) / (0.9 + 0.7 - 1))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"observations": [[0, 2]]}, r"observations\[0, 1\] = 2: should be 0"),
-        ({"observations": [0, 1]}, r"should be \(step, robot\)"),
-        ({"observations": "hello"}, "hello is a file: give what pandas.read_csv reads, or an array"),
-        ({"observations": np.zeros((0, 2))}, "one of each at least"),
-        ({"links": [[0, 3]]}, r"links\[0\] = \[0, 3\] names a robot that is not there: the robots are numbered 0 to 2"),
-        ({"links": [[0, 0]]}, "joins a robot to itself"),
-        ({"links": [[0, 1, 2, 0]]}, r"should be \(edge, 2\)"),
-        ({"links": [[0.5, 1]]}, "whole numbers"),
-        ({"links": [[4, 0, 1]]}, "steps are numbered 0 to 3"),
-        ({"accuracy": 1.5}, r"accuracy 1.5: should lie in \[0, 1\]"),
-        ({"accuracy": [0.5, 0.6]}, "one for each of 3 robots"),
-        ({"accuracy": {"black": 0.5}}, "should be black and white"),
-        ({"accuracy": None}, "must be said"),
-        ({"accuracy": float("nan")}, r"\[0, 1\]"),
-        ({"observations_per_round": 0}, "whole number from 1"),
-        ({"brain": "nobody"}, "neither a shipped brain"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"), [
+    ({"observations": [[0, 2]]}, r"observations\[0, 1\] = 2: should be 0"),
+    ({"observations": [0, 1]}, r"should be \(step, robot\)"),
+    ({"observations": "hello"}, "hello is a file: give what pandas.read_csv reads, or an array"),
+    ({"observations": np.zeros((0, 2))}, "one of each at least"),
+    ({"links": [[0, 3]]}, r"links\[0\] = \[0, 3\] names a robot that is not there: the robots are numbered 0 to 2"),
+    ({"links": [[0, 0]]}, "joins a robot to itself"),
+    ({"links": [[0, 1, 2, 0]]}, r"should be \(edge, 2\)"),
+    ({"links": [[0.5, 1]]}, "whole numbers"),
+    ({"links": [[4, 0, 1]]}, "steps are numbered 0 to 3"),
+    ({"accuracy": 1.5}, r"accuracy 1.5: should lie in \[0, 1\]"),
+    ({"accuracy": [0.5, 0.6]}, "one for each of 3 robots"),
+    ({"accuracy": {"black": 0.5}}, "should be black and white"),
+    ({"accuracy": None}, "must be said"),
+    ({"accuracy": float("nan")}, r"\[0, 1\]"),
+    ({"observations_per_round": 0}, "whole number from 1"),
+    ({"brain": "nobody"}, "neither a shipped brain"),
+])  # fmt: skip
 def test_what_is_refused(arguments, said):
     with pytest.raises(sc.InputError, match=said):
         sc.infer(**({"observations": READINGS, "links": [[0, 1]], "accuracy": 0.8} | arguments))
 
 
 def test_replay_of_what_is_not_there(small_results):
-    with pytest.raises(sc.InputError, match="setting=99: these results hold setting 0 to 31"):
-        sc.replay(small_results, 99, 0)
-    with pytest.raises(sc.InputError, match="trial=4: these results hold trial 0 to 3"):
-        sc.replay(small_results, 0, 4)
+    for where, said in (((99, 0), "setting=99: these results hold setting 0 to 31"),
+                        ((0, 4), "trial=4: these results hold trial 0 to 3")):  # fmt: skip
+        with pytest.raises(sc.InputError, match=said):
+            sc.replay(small_results, *where)
 
 
 def test_accuracies_as_they_are_written():
-    sides = {"black": 0.9, "white": 0.6}
-    assert recordings.read_accuracy("{black = 0.9, white = 0.6}") == sides
-    assert recordings.read_accuracy("black=0.9 white=0.6") == sides  # as it is printed
+    for text in ("{black = 0.9, white = 0.6}", "black=0.9 white=0.6"):  # the latter as it is printed
+        assert recordings.read_accuracy(text) == {"black": 0.9, "white": 0.6}
     for bad in ("good", "0.1,0.2", "U(0.6, 0.8)"):
         with pytest.raises(sc.InputError, match="should be"):
             recordings.read_accuracy(bad)
@@ -156,10 +150,7 @@ def test_traces_are_written_as_csv_or_netcdf(small_results, tmp_path):
 
 
 # ---- one trial a stretch at a time; test_recorded.py compares it with what `replay` shows
-
-
-NETWORK = {"topology": "ring", "fill_ratio": 0.6}
-MOVING = {"topology": "moving", "density": 3.0, "fill_ratio": 0.6}
+NETWORK, MOVING = ({"topology": "ring", "fill_ratio": 0.6}, {"topology": "moving", "density": 3.0, "fill_ratio": 0.6})
 CASES = {
     "lossy": ({}, {**NETWORK, "topology": "scale-free", "link_success": 0.5}, {}),
     "silent": ({"brain": "voter"}, {**NETWORK, "topology": "full", "link_success": 0.7}, {}),
@@ -169,8 +160,7 @@ CASES = {
 
 
 def changing_study(swarm, world, more, rounds=90):
-    moves = world["topology"] == "moving"
-    length = {"ticks": rounds} if moves else {"rounds": rounds}
+    length = {"ticks" if world["topology"] == "moving" else "rounds": rounds}
     robots = {"robots": 8, "accuracy": "U(0.6, 0.9)"}
     return sc.Study(trials=2, seed=5, swarm=robots | swarm, world=world, schedule=length, **more)
 
@@ -188,8 +178,7 @@ def test_it_can_be_looked_at_in_any_order(name, short):
     life = Stepped(study.settings()[0], study.seed, 1)
     once = [life.at(k) for k in range(5)]
     for k in (3, 0, 4, 1, 1, 2, 0):
-        again = life.at(k)
-        for name, value in vars(again).items():
+        for name, value in vars(life.at(k)).items():
             if isinstance(value, np.ndarray):
                 np.testing.assert_array_equal(value, getattr(once[k], name))
 
@@ -205,5 +194,4 @@ def test_what_is_kept_does_not_grow(short):
 
 def test_a_way_is_gone_step_by_step(short):
     life = Stepped(changing_study({}, NETWORK, {}).settings()[0], 5, 1)
-    assert [life.approach(3) for _ in range(4)] == [False, False, False, True]
-    assert life.approach(3)
+    assert [life.approach(3) for _ in range(5)] == [False, False, False, True, True]

@@ -1,6 +1,7 @@
 """Study files and tables: grids, defaults, keys that mean nothing, and values however they are given."""
 
 import os
+import re
 import time
 
 import numpy as np
@@ -13,13 +14,10 @@ from swarmcensus.support.errors import LONGEST
 from swarmcensus.support.plugins import MOST_SOURCE
 from tests.support.small import BOTH, MOVING, RING, SMALL, study_of
 
-CONTEXT = "studies/x.toml: "
-
 
 def test_a_grid_is_every_combination():
     study = sc.Study.parse(SMALL)
-    settings = study.settings()
-    assert len(settings) == len(set(settings)) == 4 * 2 * 2 * 2
+    assert len(study.settings()) == len(set(study.settings())) == 4 * 2 * 2 * 2
     assert (study.name, study.seed, study.trials) == ("small", 7, 4)
     assert study.checkpoints == [10, 60]
 
@@ -41,32 +39,26 @@ def test_text_gives_the_same_study_again():
     assert again.measure == study.measure
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (
-            ("robots ", "robot "),
-            "unknown key swarm.robot: did you mean 'robots'? known here: brain, robots, accuracy, assumed_accuracy, "
-            "precision; 1 more error: swarm.robots is missing",
-        ),
-        (("world =", "wrld ="), "unknown key wrld: did you mean 'world'"),
-        (("[5, 12]", "[]"), "swarm.robots = []"),
-        (("[0.675,", "[1.2,"), "swarm.accuracy[0] = 1.2"),
-        (('"ring"', '"rng"'), 'world.topology[1] = "rng"'),
-        (("= 60,", "= -60,"), "schedule.rounds = -60"),
-        (("trials = 4", ""), "trials is missing"),
-        (("[10, 60]", "[10, 61]"), "measure.checkpoints = 61"),
-        (("swarm = {", 'swarm = {brain = "nobody", '), 'swarm.brain = "nobody"'),
-        (('"ring"', '{name = "far", edges = [[0, 11]]}'), "edge (0, 11) of topology 'far' leads to a robot"),
-        (('"ring"', '"full"'), "two entries of world.topology have one name"),
-        (("trials = 4", "trials = ["), "not TOML"),
-    ],
-)
+@pytest.mark.parametrize(("change", "said"), [
+    (("robots ", "robot "),
+     "unknown key swarm.robot: did you mean 'robots'? known here: brain, robots, accuracy, assumed_accuracy, "
+     "precision; 1 more error: swarm.robots is missing"),
+    (("world =", "wrld ="), "unknown key wrld: did you mean 'world'"),
+    (("[5, 12]", "[]"), "swarm.robots = []"),
+    (("[0.675,", "[1.2,"), "swarm.accuracy[0] = 1.2"),
+    (('"ring"', '"rng"'), 'world.topology[1] = "rng"'),
+    (("= 60,", "= -60,"), "schedule.rounds = -60"),
+    (("trials = 4", ""), "trials is missing"),
+    (("[10, 60]", "[10, 61]"), "measure.checkpoints = 61"),
+    (("swarm = {", 'swarm = {brain = "nobody", '), 'swarm.brain = "nobody"'),
+    (('"ring"', '{name = "far", edges = [[0, 11]]}'), "edge (0, 11) of topology 'far' leads to a robot"),
+    (('"ring"', '"full"'), "two entries of world.topology have one name"),
+    (("trials = 4", "trials = ["), "not TOML"),
+])  # fmt: skip
 def test_what_is_wrong_is_named(change, said):
     assert change[0] in SMALL
-    with pytest.raises(sc.InputError) as caught:
+    with pytest.raises(sc.InputError, match=rf"\Astudies/x\.toml: {re.escape(said)}"):
         sc.Study.parse(SMALL.replace(*change, 1), where="studies/x.toml")
-    assert str(caught.value).startswith(CONTEXT + said)
 
 
 def test_blind_sensors_are_warned_of():
@@ -83,8 +75,6 @@ def test_unreadable_files(tmp_path):
 
 
 # ---- keys that mean nothing are errors; values that mean something are taken however they are given
-
-
 def study(world=RING, robots=5, **tables):
     return sc.Study(**{"trials": 1, "swarm": {"robots": robots, "accuracy": 0.7}, "world": world} | tables)
 
@@ -93,7 +83,7 @@ def fault(**changes):
     return [{"at": 1, "robots": 1, "stop": "talking"} | changes]
 
 
-USELESS = [
+@pytest.mark.parametrize(("world", "tables", "said"), [
     (RING, {"schedule": {"ticks": 5}}, "schedule.ticks"),
     (RING | {"density": 1}, {}, "world.density"),
     (RING | {"body": {"radius": 0.1}}, {}, "world.body is of robots that move"),
@@ -105,37 +95,28 @@ USELESS = [
     (RING, {"faults": fault(robots=0.05)}, "faults[0].robots = 0.05"),
     # of a base that only cases use, and of which they use something else
     (RING | {"density": 1}, {"case": [{"topology": "moving", "density": 2}]}, "world.density"),
-]
-
-
-@pytest.mark.parametrize(("world", "tables", "said"), USELESS)
+])  # fmt: skip
 def test_what_means_nothing_is_an_error(world, tables, said):
-    with pytest.raises(sc.InputError) as caught:
+    with pytest.raises(sc.InputError, match=re.escape(said)):
         study(world, **tables)
-    assert said in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("world", "tables"),
-    [
-        (BOTH | {"floor": "half", "body": {"radius": 0.05}},
-         {"schedule": {"rounds": 5, "ticks": 9, "observations_per_round": 2}, "measure": {"truth": "floor"}}),
-        (RING | {"density": None, "side": None, "floor": None}, {}),
-        (RING | {"density": 1, "body": {}}, {"case": [{"topology": "moving", "ticks": 5}]}),
-        (RING, {"faults": fault(at=1000, robots=1.0)}),
-        (RING, {"schedule": {"rounds": [5, 10]}, "faults": fault(at=10)}),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("world", "tables"), [
+    (BOTH | {"floor": "half", "body": {"radius": 0.05}},
+     {"schedule": {"rounds": 5, "ticks": 9, "observations_per_round": 2}, "measure": {"truth": "floor"}}),
+    (RING | {"density": None, "side": None, "floor": None}, {}),
+    (RING | {"density": 1, "body": {}}, {"case": [{"topology": "moving", "ticks": 5}]}),
+    (RING, {"faults": fault(at=1000, robots=1.0)}),
+    (RING, {"schedule": {"rounds": [5, 10]}, "faults": fault(at=10)}),
+])  # fmt: skip
 def test_what_means_something_somewhere_is_taken(world, tables):
     made = study(world, **tables)
     assert sc.Study.parse(made.text).settings() == made.settings()
 
 
-@pytest.mark.parametrize(
-    "robots",
-    [range(3, 6), np.arange(3, 6), (3, 4, 5), pd.Series([3, 4, 5]), [np.int64(3), np.uint8(4), 5]],
-    ids=lambda v: type(v).__name__,
-)
+@pytest.mark.parametrize("robots", [
+    range(3, 6), np.arange(3, 6), (3, 4, 5), pd.Series([3, 4, 5]), [np.int64(3), np.uint8(4), 5],
+], ids=lambda v: type(v).__name__)  # fmt: skip
 def test_whole_numbers_come_as_lists_of_any_kind(robots):
     made = study(robots=robots)
     assert [s.robots for s in made.settings()] == [3, 4, 5]
@@ -166,8 +147,6 @@ def test_keys_of_fixed_networks_do_not_multiply_those_that_move():
 
 
 # ---- small files that would take minutes or all memory are refused in a sentence
-
-
 LONG = 50_000
 STUDY = """trials = 2
 swarm = {brain = BRAIN, robots = ROBOTS, accuracy = 0.8}
@@ -187,28 +166,25 @@ def shares(count):
     return f"[{', '.join(f'0.{k:06d}' for k in range(1, count))}]"
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("a." * LONG + "a = 1", "x.toml: its keys, tables or lists are nested over 32 deep"),
-        ("a = {" + "a.b.c." * 5 + "a.b={" + "a.b.c." * 5 + "a = 1}}", "nested over 32 deep"),
-        ("a = " + "[" * LONG, "nested over 32 deep"),
-        ("a = " + "{a=" * LONG, "nested over 32 deep"),
-        ("a = " + "9" * LONG, "x.toml: a whole number has too many digits"),
-        ("k" * LONG + " = 1", "x.toml: unknown key kkk"),
-        (study_with(TOPOLOGY=f'"{"k" * LONG}"'), "x.toml: 'kkk"),
-        (study_with(BRAIN=f'"{"k" * LONG}.py"'), "x.toml: 'kkk"),
-        (study_with(FILL=shares(4000), BRAIN='["alone", "minimalistic"]', ROBOTS=str([*range(3, 50)])),
-         "x.toml: its lists span 375,906 settings; 250,000 is the most"),
-        (study_with(ROBOTS=str([*range(3, 60_000)])), "swarm.robots has 59,997 values; 10,000 is the most"),
-        (study_with(BRAIN=str([f"b{k}" for k in range(85_000)])), "swarm.brain has 85,000 values; 10,000 is the most"),
-        ("[[case]]\nrobots = 1\n" * 40_000, "case has 40,000 values; 10,000 is the most"),
-        (study_with(ROBOTS=str([*range(990_000, 1_000_000)])), "10,000 settings of 1 trial make "),
-        (study_with(BRAIN='"big.py"'), "big.py: cannot be read: it is over 125,000 bytes"),
-        (study_with(BRAIN='"deep.py"'), "deep.py: its brackets or operators are nested too deep"),
-        (study_with(BRAIN='"pipe.py"'), "pipe.py"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("text", "said"), [
+    ("a." * LONG + "a = 1", "x.toml: its keys, tables or lists are nested over 32 deep"),
+    ("a = {" + "a.b.c." * 5 + "a.b={" + "a.b.c." * 5 + "a = 1}}", "nested over 32 deep"),
+    ("a = " + "[" * LONG, "nested over 32 deep"),
+    ("a = " + "{a=" * LONG, "nested over 32 deep"),
+    ("a = " + "9" * LONG, "x.toml: a whole number has too many digits"),
+    ("k" * LONG + " = 1", "x.toml: unknown key kkk"),
+    (study_with(TOPOLOGY=f'"{"k" * LONG}"'), "x.toml: 'kkk"),
+    (study_with(BRAIN=f'"{"k" * LONG}.py"'), "x.toml: 'kkk"),
+    (study_with(FILL=shares(4000), BRAIN='["alone", "minimalistic"]', ROBOTS=str([*range(3, 50)])),
+     "x.toml: its lists span 375,906 settings; 250,000 is the most"),
+    (study_with(ROBOTS=str([*range(3, 60_000)])), "swarm.robots has 59,997 values; 10,000 is the most"),
+    (study_with(BRAIN=str([f"b{k}" for k in range(85_000)])), "swarm.brain has 85,000 values; 10,000 is the most"),
+    ("[[case]]\nrobots = 1\n" * 40_000, "case has 40,000 values; 10,000 is the most"),
+    (study_with(ROBOTS=str([*range(990_000, 1_000_000)])), "10,000 settings of 1 trial make "),
+    (study_with(BRAIN='"big.py"'), "big.py: cannot be read: it is over 125,000 bytes"),
+    (study_with(BRAIN='"deep.py"'), "deep.py: its brackets or operators are nested too deep"),
+    (study_with(BRAIN='"pipe.py"'), "pipe.py"),
+])  # fmt: skip
 def test_small_files_take_little(text, said, here, refused, monkeypatch):
     monkeypatch.setattr(studies, "all_settings", lambda *_: pytest.fail("the settings were listed"))
     (here / "x.toml").write_text(text)

@@ -1,5 +1,6 @@
 """Lists in tables, which span the grid and are coordinates; labels of members and floors."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -32,24 +33,20 @@ def test_lists_of_a_topology_span_the_settings_of_a_list_of_tables():
 
 
 def test_lists_of_a_floor_span_the_settings_of_a_list_of_tables():
-    moves = {"ticks": 12, "robots": 5}
-    spanned = study_of(floor=[{"clusters": [0.1, 0.2]}, "half"], **moves).settings()
-    assert same(spanned, study_of(floor=[{"clusters": 0.1}, {"clusters": 0.2}, "half"], **moves).settings())
-    assert [(str(s.floor), s.floor.parameters) for s in spanned] == [
-        ("clusters", {"length": 0.1}), ("clusters", {"length": 0.2}), ("half", {}),
-    ]  # fmt: skip
+    lists = [{"clusters": [0.1, 0.2]}, "half"], [{"clusters": 0.1}, {"clusters": 0.2}, "half"]
+    spanned, listed = (study_of(floor=floors, ticks=12, robots=5).settings() for floors in lists)
+    assert same(spanned, listed)
+    found = [("clusters", {"length": 0.1}), ("clusters", {"length": 0.2}), ("half", {})]
+    assert [(str(s.floor), s.floor.parameters) for s in spanned] == found
 
 
-@pytest.mark.parametrize(
-    ("key", "table", "listed"),
-    [
-        ("accuracy", {"black": [0.8, 0.9], "white": 0.7}, [{"black": b, "white": 0.7} for b in (0.8, 0.9)]),
-        ("accuracy", {"start": 0.8, "drift": [-1e-3, 1e-3]}, [{"start": 0.8, "drift": d} for d in (-1e-3, 1e-3)]),
-        ("accuracy", {"spread": "N", "mean": 0.7, "sd": [0.1, 0.2]}, ["N(0.7, 0.1)", "N(0.7, 0.2)"]),
-        ("accuracy", {"spread": "uniform", "lo": [0.5, 0.6], "hi": 0.9}, ["U(0.5, 0.9)", "U(0.6, 0.9)"]),
-        ("assumed_accuracy", {"error": [0.0, "N(0, 0.1)"]}, [{"error": 0.0}, {"error": "N(0, 0.1)"}]),
-    ],
-)
+@pytest.mark.parametrize(("key", "table", "listed"), [
+    ("accuracy", {"black": [0.8, 0.9], "white": 0.7}, [{"black": b, "white": 0.7} for b in (0.8, 0.9)]),
+    ("accuracy", {"start": 0.8, "drift": [-1e-3, 1e-3]}, [{"start": 0.8, "drift": d} for d in (-1e-3, 1e-3)]),
+    ("accuracy", {"spread": "N", "mean": 0.7, "sd": [0.1, 0.2]}, ["N(0.7, 0.1)", "N(0.7, 0.2)"]),
+    ("accuracy", {"spread": "uniform", "lo": [0.5, 0.6], "hi": 0.9}, ["U(0.5, 0.9)", "U(0.6, 0.9)"]),
+    ("assumed_accuracy", {"error": [0.0, "N(0, 0.1)"]}, [{"error": 0.0}, {"error": "N(0, 0.1)"}]),
+])  # fmt: skip
 def test_lists_of_a_distribution_span_the_settings_of_a_list_of_values(key, table, listed):
     assert same(settings_of(**{key: table}), settings_of(**{key: listed}))
 
@@ -74,9 +71,8 @@ def test_they_are_coordinates_by_which_settings_are_chosen_and_compared():
     assert compare(data, factor="neighbours").contenders == ["neighbours=4", "neighbours=6"]
     assert sc.plot.lines(data, x="neighbours", y="final_error").axes[0].get_xlabel() == "neighbours"
     assert sc.verify(data).labels == sc.verify(data).differences == []
-    assert "small-world, N = 12, accuracy 0.7, f = 0.55, neighbours = 6" in str(
-        sc.Study.parse(data.attrs["study"]).settings()[2]
-    )
+    third = sc.Study.parse(data.attrs["study"]).settings()[2]
+    assert "small-world, N = 12, accuracy 0.7, f = 0.55, neighbours = 6" in str(third)
 
 
 def test_drifts_are_numbers_too():
@@ -85,41 +81,33 @@ def test_drifts_are_numbers_too():
     assert data["accuracy_black"].values.tolist() == [0.8, 0.9, 0.7]
 
 
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"topology": {**SMALL_WORLD, "neighbours": []}}, "neighbours = []: should be a list of at least one"),
-        (
-            {"topology": {"name": "small-world", "neighbours": [4] * 101, "rewired": [0.1] * 100}},
-            "its lists have 10,100 combinations; 10,000 is the most",
-        ),
-        ({"topology": {**SMALL_WORLD, "neighbours": [4, 5]}}, "neighbours = 5: "),
-        ({"topology": {"name": "small-world", "neighbors": [4, 6]}}, "has no key neighbors: did you mean 'neighbours'"),
-        ({"topology": SMALL_WORLD, "brain": "mine.py"}, "neighbours cannot have a list here"),
-        ({"topology": [SMALL_WORLD, {"name": "small-world", "neighbours": 6}]}, "have one name: small-world"),
-        ({"accuracy": {"black": [], "white": 0.7}}, "black = []: should be a list of at least one"),
-        ({"accuracy": {"spread": "N", "mean": 0.7}}, "N(mean, sd): missing a required argument: 'sd'"),
-        ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "N(mean, sd): "),
-        ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "a sensor accuracy is a number in [0, 1]"),
-        ({"accuracy": {"spread": "Q", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
-        ({"members": [{**BROKEN, "label": "a"}, {**BROKEN, "label": "a"}]}, 'members[1].label = "a": two tables'),
-        ({"members": [{**BROKEN, "label": "a\nb"}]}, "members[0].label = "),
-        ({"floor": ["half", {"name": "tiles", "label": "half"}]}, '"half": this label is the name of another topology'),
-        ({"floor": [{"clusters": 0.2, "label": ""}]}, "label should be a text, and not empty"),
-        ({"floor": [{"name": "moon", "label": "x"}]}, "a floor is one of"),
-    ],
-)
+@pytest.mark.parametrize(("keys", "said"), [
+    ({"topology": {**SMALL_WORLD, "neighbours": []}}, "neighbours = []: should be a list of at least one"),
+    ({"topology": {"name": "small-world", "neighbours": [4] * 101, "rewired": [0.1] * 100}},
+     "its lists have 10,100 combinations; 10,000 is the most"),
+    ({"topology": {**SMALL_WORLD, "neighbours": [4, 5]}}, "neighbours = 5: "),
+    ({"topology": {"name": "small-world", "neighbors": [4, 6]}}, "has no key neighbors: did you mean 'neighbours'"),
+    ({"topology": SMALL_WORLD, "brain": "mine.py"}, "neighbours cannot have a list here"),
+    ({"topology": [SMALL_WORLD, {"name": "small-world", "neighbours": 6}]}, "have one name: small-world"),
+    ({"accuracy": {"black": [], "white": 0.7}}, "black = []: should be a list of at least one"),
+    ({"accuracy": {"spread": "N", "mean": 0.7}}, "N(mean, sd): missing a required argument: 'sd'"),
+    ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "N(mean, sd): "),
+    ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "a sensor accuracy is a number in [0, 1]"),
+    ({"accuracy": {"spread": "Q", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
+    ({"members": [{**BROKEN, "label": "a"}, {**BROKEN, "label": "a"}]}, 'members[1].label = "a": two tables'),
+    ({"members": [{**BROKEN, "label": "a\nb"}]}, "members[0].label = "),
+    ({"floor": ["half", {"name": "tiles", "label": "half"}]}, '"half": this label is the name of another topology'),
+    ({"floor": [{"clusters": 0.2, "label": ""}]}, "label should be a text, and not empty"),
+    ({"floor": [{"name": "moon", "label": "x"}]}, "a floor is one of"),
+])  # fmt: skip
 def test_wrong_lists_and_labels_are_refused(keys, said, here):
     Path("mine.py").write_text(changed(("MEMORY =", 'PARAMETERS = {"neighbours": 1.0}\nMEMORY =')))
     world = {"topology": "moving", "density": 1.0} if "floor" in keys else {}
-    with pytest.raises(sc.InputError) as refused:
+    with pytest.raises(sc.InputError, match=re.escape(said)):
         study_of(robots=12, **world, **keys)
-    assert said in str(refused.value)
 
 
 # ---- labels of members and floors, and the word for swarms without members
-
-
 def texts(members, **keys):
     return ["; ".join(map(str, setting.members)) for setting in settings_of(robots=8, members=members, **keys)]
 
@@ -150,9 +138,8 @@ def test_a_label_names_a_floor_and_changes_no_number(floor):
 
 
 def test_a_swarm_without_members_is_plain_wherever_it_is_shown():
-    study = study_of(
-        robots=8, rounds=4, trials=2, brain=["commons", "minimalistic"], members=[{**BROKEN, "label": "bad"}]
-    )
+    bad = [{**BROKEN, "label": "bad"}]
+    study = study_of(robots=8, rounds=4, trials=2, brain=["commons", "minimalistic"], members=bad)
     data = sc.run(study, jobs=1)
     assert data["members"].values.tolist() == ["", "0.25 bad"] * 2
     assert coordinates(data)["members"].tolist() == ["plain", "0.25 bad"] * 2

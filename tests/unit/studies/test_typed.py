@@ -70,8 +70,7 @@ def test_public_names_do_not_depend_on_imports():
     for name in sc.__all__:
         if home := getattr(getattr(sc, name), "__module__", None):
             importlib.import_module(home)
-    modules = {name for name in sc.__all__ if inspect.ismodule(getattr(sc, name))}
-    assert modules == {"plot", "theory"}
+    assert {name for name in sc.__all__ if inspect.ismodule(getattr(sc, name))} == {"plot", "theory"}
 
 
 @pytest.mark.long

@@ -5,17 +5,14 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
+from tests.support.small import study_of
 
-FIXED = {"seed": 3, "trials": 3, "swarm": {"robots": [4, 9], "accuracy": [0.7, 0.95]},
-         "world": {"topology": ["full", "ring"], "fill_ratio": 0.55},
-         "schedule": {"rounds": [20, 40], "observations_per_round": 5}}  # fmt: skip
-MOVING = {"seed": 3, "trials": 2, "swarm": {"robots": [5, 8], "accuracy": 0.9},
-          "world": {"topology": "moving", "density": 4, "fill_ratio": 0.55, "floor": ["tiles", "half"]},
-          "schedule": {"ticks": 60}}  # fmt: skip
+FIXED = {"robots": [4, 9], "accuracy": [0.7, 0.95], "rounds": [20, 40], "looks": 5, "topology": ["full", "ring"]}
+MOVING = {"robots": [5, 8], "accuracy": 0.9, "ticks": 60, "density": 4, "floor": ["tiles", "half"]}
 
 
-def measured(tables, **measure):
-    return sc.run(sc.Study(**tables, measure=measure), jobs=2)
+def measured(given, **measure):
+    return sc.run(study_of(**given, measure=measure), jobs=2)
 
 
 @pytest.fixture(scope="module", params=[FIXED, MOVING], ids=["network", "moving"])

@@ -61,13 +61,11 @@ def test_lines_have_the_summary(name, results, summary):
     (ax,) = sc.plot.lines(results, y=name, x="accuracy", color="topology").axes
     value, low, high = summary[name].T
     np.testing.assert_array_equal(drawn(ax, "ring")[:, 1], np.where(np.isinf(value), np.nan, value))
-    segments = [
-        line.get_segments() for line in ax.collections if line.get_label() in ("interval ring", "one-sided ring")
-    ]
+    bars = ("interval ring", "one-sided ring")
+    segments = [line.get_segments() for line in ax.collections if line.get_label() in bars]
     ends = {segment[0, 0]: segment[:, 1].tolist() for lines in segments for segment in lines if len(segment)}
     top = ax.get_ylim()[1]
-    wanted = {x: [low[k], min(high[k], top)] for k, x in enumerate((0.7, 1.0)) if np.isfinite(low[k])}
-    assert ends == wanted
+    assert ends == {x: [low[k], min(high[k], top)] for k, x in enumerate((0.7, 1.0)) if np.isfinite(low[k])}
 
 
 def test_other_figures_have_the_summary(results, summary):

@@ -43,14 +43,11 @@ def partial(many):
     """Trials from 2 on are missing in setting 1, all in setting 2; a trial of setting 4 failed."""
     data = many.copy(deep=True)
     for setting, trials in ((1, slice(2, None)), (2, slice(None)), (4, slice(3, 4))):
-        for name in (
-            "convergence_round", "convergence_error", "final_estimate", "agreement_round", "components", "mean_degree",
-        ):  # fmt: skip
+        for name in ("convergence_round", "convergence_error", "final_estimate", "agreement_round", "components",
+                     "mean_degree", "messages_sent", "messages_heard"):  # fmt: skip
             data[name].values[setting, trials] = np.nan
         for name in ("correct", "disagreement"):
             data[name].values[setting, :, trials] = np.nan
-        for name in ("messages_sent", "messages_heard"):
-            data[name].values[setting, trials] = np.nan
     data.attrs["failed"] = json.dumps([{"setting": 4, "trial": 3, "why": "division by zero"}])
     data.attrs["trials_done"] -= 4 + 6 + 1
     return data
@@ -73,8 +70,7 @@ def test_error_90_is_the_smallest_error_that_nine_of_ten_robots_keep():
 
 
 def test_a_row_is_what_numpy_says_of_the_setting(many):
-    frame = sc.summary(many)
-    for k, row in enumerate(frame.to_dict("records")):
+    for k, row in enumerate(sc.summary(many).to_dict("records")):
         robots, rounds = int(many["robots"][k]), int(many["rounds"][k])
         for name in ("convergence_round", "convergence_error"):
             values = many[name].values[k, :, :robots].astype(float)
@@ -147,14 +143,11 @@ def test_large_results_are_summed_up_in_blocks(partial, monkeypatch):
     pd.testing.assert_frame_equal(sc.summary(partial), whole)
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--checkpoint", "7"], "checkpoint 7: decisions were recorded after round 2, 5, 8"),
-        (["--sort", "eror"], "--sort eror"),
-        (["--reverse"], "--reverse needs --sort"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    (["--checkpoint", "7"], "checkpoint 7: decisions were recorded after round 2, 5, 8"),
+    (["--sort", "eror"], "--sort eror"),
+    (["--reverse"], "--reverse needs --sort"),
+])  # fmt: skip
 def test_what_cannot_be_shown(options, said, file, refused):
     assert said in refused("show", file, *options)
 
@@ -236,8 +229,6 @@ def test_a_time_that_is_not_reached_is_never(many):
 
 
 # ---- readers are told where a robot converged before it had seen anything
-
-
 STUDY = """
 trials = 4
 swarm = {robots = 400, accuracy = 0.9}
@@ -252,8 +243,7 @@ def test_shares_are_of_the_robots_that_were_run(small_results):
     when[:] = np.where(when >= 0, 5, when)
     assert (settled_at_start(data) == 0).all()
     assert cautions_of_start(data) == []
-    robots = int(data["robots"][3])
-    when[3, 0, :robots] = 0  # one trial of four
+    when[3, 0, : int(data["robots"][3])] = 0  # one trial of four
     when[3, 3] = -1
     when[4] = -1
     shares = settled_at_start(data)
@@ -303,9 +293,7 @@ def test_robots_that_settle_early_and_apart_are_cautioned_of(misjudged, here, ac
     sc.save(data, "s.nc")
     assert f"caution: {says}" in " ".join(accepted("show", "s.nc").out.split())
     note = "K misleads in setting 1: settled early, but far from each other or from f"
-    for draw, options in (
-        (sc.plot.scatter, {}), (sc.plot.heatmap, {}), (sc.plot.lines, {"y": "convergence_round"})
-    ):  # fmt: skip
+    for draw, options in (sc.plot.scatter, {}), (sc.plot.heatmap, {}), (sc.plot.lines, {"y": "convergence_round"}):
         for settings, has in (([0], False), ([0, 1], True)):
             figure = draw(data.isel(setting=settings), **options)
             assert (note in " ".join(sc.plot.caption(figure).split())) == has

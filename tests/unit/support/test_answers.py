@@ -22,23 +22,18 @@ class Ranking(Answer):
 
     def tables(self, limit):
         kept = ROWS[: limit or None]
-        return [
-            Table(
-                [
-                    Column("brain", [row["brain"] for row in kept], number=False, name="brain"),
-                    Column("right %", ["50.0"] * len(kept), rank=REST, name="right", meaning="robots in the right bin"),
-                    Column("error", [f"{row['final_error']:.2f}" for row in kept], rank=ASKED, name="final_error"),
-                ],
-                more=f"{len(kept)} of 60 brains" * (len(kept) < 60),
-            )
+        columns = [
+            Column("brain", [row["brain"] for row in kept], number=False, name="brain"),
+            Column("right %", ["50.0"] * len(kept), rank=REST, name="right", meaning="robots in the right bin"),
+            Column("error", [f"{row['final_error']:.2f}" for row in kept], rank=ASKED, name="final_error"),
         ]
+        return [Table(columns, more=f"{len(kept)} of 60 brains" * (len(kept) < 60))]
 
 
 @pytest.fixture
 def answer():
-    return Ranking(
-        command="rank", title="all brains", sentences=["brain-0 is best"], cautions=["few trials"], rows=ROWS
-    )
+    said = {"title": "all brains", "sentences": ["brain-0 is best"], "cautions": ["few trials"]}
+    return Ranking(command="rank", rows=ROWS, **said)
 
 
 def printed(answer, width=80, height=25, **more):
@@ -62,8 +57,7 @@ def test_columns_are_left_out_from_the_right_and_named(answer):
     assert lines[lines.index("") + 1].split() == ["brain", "error"]
     assert "right %" in " ".join(lines)
     assert "robots in the right bin" not in " ".join(lines)
-    chosen = printed(answer, limit=1, columns=["final_error", "brain"])
-    assert chosen[4].split() == ["error", "brain"]
+    assert printed(answer, limit=1, columns=["final_error", "brain"])[4].split() == ["error", "brain"]
     with pytest.raises(InputError, match=r"final_eror.*did you mean 'final_error'"):
         printed(answer, columns=["final_eror"])
 
@@ -114,12 +108,10 @@ def test_notebooks_and_markdown_have_sentences_and_table(answer):
 
 
 def test_files_have_intervals_marks_and_what_all_rows_share():
-    column = Column(
-        "error", ["0.1", "0.2"], intervals=["[0.0, 0.2]", "[0.1, 0.3]"], marks=["*", ""], strong=[True, False]
-    )
-    table = Table(
-        [Column("brain", ["a", "b"], number=False), column], above=["all with robots 5"], notes=lambda _: ["x"]
-    )
+    given = {"intervals": ["[0.0, 0.2]", "[0.1, 0.3]"], "marks": ["*", ""], "strong": [True, False]}
+    column = Column("error", ["0.1", "0.2"], **given)
+    columns = [Column("brain", ["a", "b"], number=False), column]
+    table = Table(columns, above=["all with robots 5"], notes=lambda _: ["x"])
     text = Answer(table, title="two").to_markdown()
     assert all(said in text for said in ("| a | **\\* 0.1** | [0.0, 0.2] |", "all with robots 5", "two", "\n\nx\n"))
     assert "% all with robots 5" in Answer(table).to_latex()

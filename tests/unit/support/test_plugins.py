@@ -32,14 +32,10 @@ from tests.support.small import study_of
 # processes begun here go known ways: what is new in them is traced in this one
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 PAGE = (DOCS / "adding.md").read_text(encoding="utf-8")
-EXAMPLES = {
-    "lowest": "A metric",
-    "cylinder": "A topology",
-    "hills": "A kind of floor",
-    "beta": "A sensor spread",
-    "violins": "A figure",
-    "pebble": "A target of `deploy`",
-}  # files, and their sections
+EXAMPLES = {  # files, and their sections
+    "lowest": "A metric", "cylinder": "A topology", "hills": "A kind of floor", "beta": "A sensor spread",
+    "violins": "A figure", "pebble": "A target of `deploy`",
+}  # fmt: skip
 
 MORE = {
     "pairs": """
@@ -138,35 +134,26 @@ def install(folder, name, files, points):
     (said / "entry_points.txt").write_text("".join(groups))
 
 
-def install_meadow(folder):
-    """Put the package into a folder."""
-    files = (
-        MORE
-        | {"stubborn": brains.load("legacy").source + "# under another name\n"}
-        | {"grey": '"""Grey: one half."""\n\n\ndef lie(me, x):\n    return 0.5\n'}
-        | {name: re.search(r"```python\n(.*?)```", section(title), re.DOTALL)[1] for name, title in EXAMPLES.items()}
-    )
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    """A folder in which the package "meadow" is installed."""
+    files = {
+        "stubborn": brains.load("legacy").source + "# under another name\n",
+        "grey": '"""Grey: one half."""\n\n\ndef lie(me, x):\n    return 0.5\n',
+    }
+    files |= {name: re.search(r"```python\n(.*?)```", section(at), re.DOTALL)[1] for name, at in EXAMPLES.items()}
     [shown] = re.findall(r"```text\n(.*?)```", section("In a package of your own"), re.DOTALL)
     points = tomllib.loads(shown)["project"]["entry-points"]
     for kind, entries in MORE_POINTS.items():
         points[f"swarmcensus.{kind}"] |= {entry.partition(":")[2] or entry: f"meadow.{entry}" for entry in entries}
-    install(folder, "meadow", files, points)
-
-
-KINDS = (brains, adversary, metrics, wiring, patterns, distributions, kinds, targets)
-
-
-@pytest.fixture(scope="module")
-def package(tmp_path_factory):
-    """A folder in which the package "meadow" is installed."""
     folder = tmp_path_factory.mktemp("site")
-    install_meadow(folder)
+    install(folder, "meadow", MORE | files, points)
     return folder
 
 
 def forget():
     """Forget the entry points of other packages, because other ones are installed now."""
-    for kind in KINDS:
+    for kind in (brains, adversary, metrics, wiring, patterns, distributions, kinds, targets):
         kind.PLUGINS.__dict__.pop("outside", None)
         kind.PLUGINS.clashes.clear()
 
@@ -201,17 +188,16 @@ json.dump(said, sys.stderr)
 
 def elsewhere(package, *commands):
     """Run commands in another process, with the package. Gives the exit code of each, and what it says."""
-    text = json.dumps([[str(word) for word in command] for command in commands])
+    command = [sys.executable, "-c", TOLD, json.dumps([[str(word) for word in command] for command in commands])]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), *sys.path])}
-    command = [sys.executable, "-c", TOLD, text]
     return json.loads(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stderr)
 
 
 # ---- topologies, kinds of floor and spreads
-
 FIXED = """
 seed = 5
 trials = 2
+schedule.rounds = 12
 [swarm]
 robots = 30
 accuracy = ["beta(8, 2)", {black = 0.9, white = "beta(5, 1)"}]
@@ -219,20 +205,17 @@ assumed_accuracy = [0.8, {error = "beta(1, 9)"}]
 [world]
 topology = ["cylinder", {name = "cylinder", columns = 5}, {name = "pairs", share = 0.5}, {name = "chain", steps = [1, 3]}, "ring"]
 fill_ratio = 0.45
-[schedule]
-rounds = 12
 """  # noqa: E501
 MOVING = """
 seed = 5
 trials = 2
 swarm = {robots = 10, accuracy = "beta(8, 2)"}
+schedule.ticks = 40
 [world]
 topology = "moving"
 side = 2
 floor = ["hills", {hills = 0.25}, "dots", {photo = "leaf.png", bright = false}, "half"]
 fill_ratio = 0.45
-[schedule]
-ticks = 40
 """
 
 
@@ -256,9 +239,8 @@ def done(package, tmp_path_factory):
 
 def test_dataset_names_plugins_with_their_keys(done):
     fixed, moving = sc.load(done / "fixed.nc"), sc.load(done / "moving.nc")
-    assert list(dict.fromkeys(fixed["topology"].values)) == [
-        "cylinder", "cylinder(columns=5)", "pairs(share=0.5)", "chain(steps=[1,3])", "ring",
-    ]  # fmt: skip
+    names = ["cylinder", "cylinder(columns=5)", "pairs(share=0.5)", "chain(steps=[1,3])", "ring"]
+    assert list(dict.fromkeys(fixed["topology"].values)) == names
     assert set(fixed["accuracy"].values) == {"beta(8.0,2.0)", "black=0.9 white=beta(5.0,1.0)"}
     assert set(fixed["assumed_accuracy"].values) == {"0.8", "error=beta(1.0,9.0)"}
     assert moving["floor"].values.tolist() == ["hills", "hills(0.25)", "dots", "photo(leaf,false)", "half"]
@@ -333,14 +315,12 @@ def test_draws_depend_on_names_and_fingerprints_on_files(installed):
 
 LINES = """trials = 2
 swarm = {{robots = 12, accuracy = {accuracy}}}
-[world]
-topology = {topology}
-{more}
-fill_ratio = 0.45
-[schedule]
-{length} = 5
+world = {{topology = {topology}, {more}fill_ratio = 0.45}}
+schedule.{length} = 5
 """
-WRONG = [
+
+
+@pytest.mark.parametrize(("key", "value", "said"), [
     # topologies
     ("topology", '"cilynder"', "did you mean 'cylinder'? a topology is one of full, grid, line, moving, "),
     ("topology", '{name = "cylinder", columns = 2}', "'cylinder' of 12 robots, columns = 2: a cylinder has whole rows"),
@@ -372,14 +352,11 @@ WRONG = [
     ("accuracy", '"wide(2)"', "a sensor accuracy lies in [0, 1], and wide(2.0) gives 2"),
     ("accuracy", '"wide(4)"', "wide(a): a should be 3 at the most"),
     ("accuracy", '"hole()"', "and hole() gives nan"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("key", "value", "said"), WRONG)
+])  # fmt: skip
 def test_wrong_input_is_refused_in_a_line(key, value, said, installed, refused):
     plain = {"accuracy": "0.7", "topology": '"ring"', "more": "", "length": "rounds"}
     if key == "floor":
-        plain |= {"topology": '"moving"', "more": f"side = 10\nfloor = {value}", "length": "ticks"}
+        plain |= {"topology": '"moving"', "more": f"side = 10, floor = {value}, ", "length": "ticks"}
     else:
         plain[key] = value
     leaf(Path())
@@ -399,12 +376,10 @@ def test_a_file_changed_during_a_run_is_reported(installed, package):
             sc.run(sc.Study.parse(FIXED))
     finally:
         path.write_text(before)
-    assert len(study.additions) == 4
-    assert study.additions["topology cylinder"]["package"] == "meadow"
+    assert (len(study.additions), study.additions["topology cylinder"]["package"]) == (4, "meadow")
 
 
 # ---- brains, metrics and figures
-
 MEASURED = """
 trials = 3
 swarm = {brain = ["legacy", "stubborn"], robots = 8, accuracy = 0.7}
@@ -436,27 +411,22 @@ def test_figure_of_a_package_is_drawn_from_python_and_a_shell(installed, done):
     assert "topology 3 None" in Path("b.svg").read_text()
 
 
-@pytest.mark.parametrize(
-    ("kind", "said"),
-    [
-        ("violin", "did you mean 'violins'?"),
-        ("boxes --x robots", "--kind boxes has no key x: "),
-        ("boxes --option whisker=1", "--kind boxes has no key whisker: "),
-        ("boxes --option whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
-        ("boxes --option whiskers", "--option whiskers"),
-        ("fails", "figure 'fails', meadow.drawings:fails: KeyError: 'no such"),
-        ("nothing", "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
-        ("awry", "figure 'awry', meadow.drawings:awry: should be a function of results and keyword-only options"),
-        ("gone", "figure 'gone', meadow.gone of meadow: ModuleNotFoundError"),
-    ],
-)
+@pytest.mark.parametrize(("kind", "said"), [
+    ("violin", "did you mean 'violins'?"),
+    ("boxes --x robots", "--kind boxes has no key x: "),
+    ("boxes --option whisker=1", "--kind boxes has no key whisker: "),
+    ("boxes --option whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
+    ("boxes --option whiskers", "--option whiskers"),
+    ("fails", "figure 'fails', meadow.drawings:fails: KeyError: 'no such"),
+    ("nothing", "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
+    ("awry", "figure 'awry', meadow.drawings:awry: should be a function of results and keyword-only options"),
+    ("gone", "figure 'gone', meadow.gone of meadow: ModuleNotFoundError"),
+])  # fmt: skip
 def test_faults_of_a_plugin_figure(kind, said, installed, done, refused):
     assert said in refused("plot", done / "measured.nc", "--kind", *kind.split())
 
 
 # ---- adversaries
-
-
 @pytest.mark.long
 def test_plugin_adversary(installed, monkeypatch):
     members = [{"robots": 2, "brain": "grey", "honest": False}]
@@ -467,8 +437,6 @@ def test_plugin_adversary(installed, monkeypatch):
 
 
 # ---- targets
-
-
 def test_a_target_of_another_package_writes_its_files(installed, tmp_path):
     made = sc.deploy("minimalistic", tmp_path / "made", target="pebble", accuracy={"black": 0.9, "white": 0.8})
     assert {path.name for path in made.fields["folder"].iterdir()} == {"brain.py", "sensor.txt"}
@@ -476,8 +444,6 @@ def test_a_target_of_another_package_writes_its_files(installed, tmp_path):
 
 
 # ---- every kind of plugin
-
-
 def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
     monkeypatch.setenv(AS_TERMINAL, "400")
     for name in [name for name in sys.modules if name.startswith("meadow.")]:
@@ -486,9 +452,8 @@ def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
     assert {name for name in sys.modules if name.startswith("meadow.")} == set()
     printed = capsys.readouterr()
     rows = [line.split() for line in printed.out.splitlines() if line]
-    assert [row[0] for row in rows if row[-1] == "from"] == [
-        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets",
-    ]  # fmt: skip
+    tables = ["brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets"]
+    assert [row[0] for row in rows if row[-1] == "from"] == tables
     by = {row[0]: row for row in rows}
     assert by["lowest"][1:] == ["The", "lowest", "estimate", "that", "a", "robot", "ever", "holds.", "meadow"]
     assert by["minimalistic"][-1] == by["scale-free"][-1] == by["scatter"][-1] == "swarmcensus"

@@ -27,14 +27,11 @@ def test_studies_are_read_in_any_encoding_with_a_mark(encoding, here):
     assert sc.Study.load("s.toml").text == STUDY
 
 
-@pytest.mark.parametrize(
-    ("content", "said"),
-    [
-        (STUDY.encode("utf-16-le"), "it is no text, or in another encoding: save it as text in UTF-8"),
-        (STUDY.encode("utf-16")[:-1], "line 8 is not UTF-16: save it as text in UTF-8"),
-        (b"# a\n# caf\xe9\n", "line 2 is not UTF-8: save it as text in UTF-8"),
-    ],
-)
+@pytest.mark.parametrize(("content", "said"), [
+    (STUDY.encode("utf-16-le"), "it is no text, or in another encoding: save it as text in UTF-8"),
+    (STUDY.encode("utf-16")[:-1], "line 8 is not UTF-16: save it as text in UTF-8"),
+    (b"# a\n# caf\xe9\n", "line 2 is not UTF-8: save it as text in UTF-8"),
+])  # fmt: skip
 def test_other_encodings_are_named(content, said, here, refused):
     for name in ("s.toml", "s.csv"):
         (here / name).write_bytes(content)
@@ -64,30 +61,21 @@ def test_texts_like_formulas_have_an_apostrophe_and_numbers_have_none(tmp_path):
     assert again["number"].equals(frame["number"])
     assert again["label"].str.replace(r"^'(?=[=+\-@'\t\r])", "", regex=True).tolist() == [*TEXTS]
     assert [*tsv([{"label": "=1+2", "K": -1.5}])] == ["label\tK", "'=1+2\t-1.5"]
-    assert [*tsv({"label": label} for label in ("\ta", "a", "a ", "a\n"))] == [
-        "label",
-        r"\u0009a",
-        "a",
-        "a ",
-        r"a\u000a",
-    ]
+    labels = [{"label": label} for label in ("\ta", "a", "a ", "a\n")]
+    assert [*tsv(labels)] == ["label", r"\u0009a", "a", "a ", r"a\u000a"]
 
 
 # ---- numbers as people read them
-
-
-@pytest.mark.parametrize(
-    ("count", "said"),
-    [(0, "0 settings"), (1, "1 setting"), (np.int64(1), "1 setting"), (np.int64(1000), "1,000 settings")],
-)
+@pytest.mark.parametrize(("count", "said"), [
+    (0, "0 settings"), (1, "1 setting"), (np.int64(1), "1 setting"), (np.int64(1000), "1,000 settings"),
+])  # fmt: skip
 def test_one_is_singular_and_thousands_have_commas(count, said):
     assert counted(count, "setting") == said
 
 
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [(10000, "10,000"), (np.int64(1000), "1,000"), (0.55, "0.55"), (np.float64(2), "2.0"), ("ring", "ring")],
-)
+@pytest.mark.parametrize(("value", "said"), [
+    (10000, "10,000"), (np.int64(1000), "1,000"), (0.55, "0.55"), (np.float64(2), "2.0"), ("ring", "ring"),
+])  # fmt: skip
 def test_whole_numbers_have_commas_and_nothing_else_changes(value, said):
     assert grouped(value) == said
 
@@ -99,17 +87,15 @@ def test_medians_of_whole_numbers_keep_their_halves():
 
 
 def test_numbers_have_as_many_digits_as_tell_them_apart():
-    assert distinct_texts(["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"]) == ["0.8", "0.6", "U(0.55,0.95)"]
-    assert distinct_texts([0.12345671, 0.12345672, 1.0]) == ["0.12345671", "0.12345672", "1"]
-    assert distinct_texts(["0.500", "b=0.6"]) == ["0.5", "b=0.6"]
-    assert distinct_texts([0.1, 0.1]) == ["0.1", "0.1"]
-    assert distinct_texts([0.3, 0.1 + 0.2]) == ["0.29999999999999999", "0.30000000000000004"]
-    assert distinct_texts([]) == []
+    for values, texts in (
+        (["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"], ["0.8", "0.6", "U(0.55,0.95)"]), ([], []),
+        ([0.12345671, 0.12345672, 1.0], ["0.12345671", "0.12345672", "1"]), (["0.500", "b=0.6"], ["0.5", "b=0.6"]),
+        ([0.1, 0.1], ["0.1", "0.1"]), ([0.3, 0.1 + 0.2], ["0.29999999999999999", "0.30000000000000004"]),
+    ):  # fmt: skip
+        assert distinct_texts(values) == texts
 
 
 # ---- hTML templates escape all values and refuse unknown names; jinja2 is imported only where HTML is made
-
-
 NASTY = "<script>alert('&')</script>"
 ESCAPED = "&lt;script&gt;alert(&#39;&amp;&#39;)&lt;/script&gt;"
 
@@ -133,19 +119,14 @@ def test_live_page_has_all_assets():
 
 
 # ---- how many cores are used: those that affinity and the quotas of containers leave
-
-
-@pytest.mark.parametrize(
-    ("own", "files", "most"),
-    [
-        ("0::/a/b", {"a/cpu.max": "250000 100000", "a/b/cpu.max": "max 100000"}, 3),
-        ("0::/a/b", {"cpu.max": "50000 100000", "a/b/cpu.max": "400000 100000"}, 1),
-        ("0::/elsewhere", {"cpu.max": "200000 100000\n"}, 2),
-        ("0::/", {"cpu.max": "damaged"}, 8),
-        ("4:memory:/a\n0::/", {"cpu.max": "150000 100000\n"}, 2),
-        (None, {}, 8),
-    ],
-)
+@pytest.mark.parametrize(("own", "files", "most"), [
+    ("0::/a/b", {"a/cpu.max": "250000 100000", "a/b/cpu.max": "max 100000"}, 3),
+    ("0::/a/b", {"cpu.max": "50000 100000", "a/b/cpu.max": "400000 100000"}, 1),
+    ("0::/elsewhere", {"cpu.max": "200000 100000\n"}, 2),
+    ("0::/", {"cpu.max": "damaged"}, 8),
+    ("4:memory:/a\n0::/", {"cpu.max": "150000 100000\n"}, 2),
+    (None, {}, 8),
+])  # fmt: skip
 def test_a_quota_counts_as_cores(own, files, most, tmp_path, monkeypatch):
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

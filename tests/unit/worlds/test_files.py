@@ -32,6 +32,8 @@ def quantile(u, a, b):
 """
 FIXED = """
 trials = 2
+members = [{robots = 1, accuracy = "my worlds/wedge.py(0.5, 0.6)"}]
+schedule.rounds = 6
 [swarm]
 robots = 12
 accuracy = ["my worlds/wedge.py(0.6, 0.9)", {black = "my worlds/wedge.py(0.7, 0.8)", white = 0.8}]
@@ -39,11 +41,6 @@ assumed_accuracy = {error = "my worlds/wedge.py(-0.1, 0.1)"}
 [world]
 topology = ["my worlds/wheel.py", {file = "my worlds/wheel.py", spokes = 5, label = "five spokes"}, "ring"]
 fill_ratio = 0.45
-[schedule]
-rounds = 6
-[[members]]
-robots = 1
-accuracy = "my worlds/wedge.py(0.5, 0.6)"
 """
 MOVING = """
 trials = 2
@@ -77,8 +74,7 @@ def test_files_say_who_hears_whom_and_what_is_seen():
         graphs = [links.receivers[links.starts[k] : links.starts[k + 1]] for k in (0, 1)]
         assert [np.bincount(one)[0] for one in graphs] == [spokes + 2] * 2
         assert not np.array_equal(*graphs)
-    b, *_ = sampling.accuracies(settings[-1], 0, 0, 500)
-    others = b.max(axis=1)  # one robot is a member with a poorer sensor
+    others = sampling.accuracies(settings[-1], 0, 0, 500)[0].max(axis=1)  # one robot has a poorer sensor
     assert 0.7 < others.min() < others.max() < 0.8
     assert str(settings[0].accuracy) == "my worlds/wedge.py(0.6,0.9)"
     middles = [sampling.ground(s, 0, 0).all_tiles() for s in sc.Study.load("moving.toml").settings()]
@@ -141,15 +137,12 @@ def test_python_names_files_too():
 
 
 LINES = """trials = 1
-[swarm]
-robots = 12
-accuracy = {accuracy}
-[world]
-topology = {topology}
-{more}
-fill_ratio = 0.45
+swarm = {{robots = 12, accuracy = {accuracy}}}
+world = {{topology = {topology}, {more}fill_ratio = 0.45}}
 """
-WRONG = [  # of what such functions give, tests/unit/support/test_plugins.py tries more
+
+
+@pytest.mark.parametrize(("key", "value", "text", "said"), [  # tests/unit/support/test_plugins.py tries more functions
     ("topology", '"whel.py"', "", "there is no file whel.py"),
     ("topology", '"x.py"', "x = 1", "topology file x.py: it has no function edges"),
     ("topology", '"x.py"', "x = = 1", "topology file x.py: fails when it is loaded: not Python: invalid syntax"),
@@ -159,14 +152,11 @@ WRONG = [  # of what such functions give, tests/unit/support/test_plugins.py tri
     ("accuracy", '"y.py(0.7)"', "", "there is no file y.py"),
     ("accuracy", '"x.py(0.7)"', "x = 1", "spread file x.py: it has no function quantile"),
     ("accuracy", '{start = "x.py(2, 3)", drift = -1e-5}', WEDGE, "x.py(2.0,3.0) gives 2"),
-]
-
-
-@pytest.mark.parametrize(("key", "value", "text", "said"), WRONG)
+])  # fmt: skip
 def test_wrong_files_are_refused(key, value, text, said, here, refused):
     plain = {"accuracy": "0.7", "topology": '"ring"', "more": ""}
     if key == "floor":
-        plain |= {"topology": '"moving"', "more": f"side = 10\nfloor = {value}"}
+        plain |= {"topology": '"moving"', "more": f"side = 10, floor = {value}, "}
     else:
         plain[key] = value
     Path("s.toml").write_text(LINES.format(**plain))

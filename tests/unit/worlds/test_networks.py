@@ -1,6 +1,7 @@
 """Topologies: who hears whom."""
 
 import itertools
+import re
 
 import matplotlib.text
 import networkx as nx
@@ -39,15 +40,13 @@ def links_of(topology, robots, trials=1, first=0):
 @pytest.mark.parametrize(("name", "make"), [("ring", nx.cycle_graph), ("line", nx.path_graph)])
 def test_ring_and_line(name, make, robots, tmp_path):
     expected = nx.path_graph(robots) if robots < 3 else make(robots)
-    found = graph_of(links_of(parse(name, tmp_path), robots), 0, robots)
-    assert nx.utils.graphs_equal(found, expected)
+    assert nx.utils.graphs_equal(graph_of(links_of(parse(name, tmp_path), robots), 0, robots), expected)
 
 
 def test_full_uses_sums_where_it_may(tmp_path):
     full = parse("full", tmp_path)
     assert full.links(5, 1, 0, 1, True, True).mode == FULL
-    assert full.links(5, 1, 0, 1, False, True).mode == PAIRS
-    assert full.links(5, 1, 0, 1, True, False).mode == PAIRS
+    assert full.links(5, 1, 0, 1, False, True).mode == full.links(5, 1, 0, 1, True, False).mode == PAIRS
 
 
 @pytest.mark.parametrize("robots", [1, 2, 3, 50])
@@ -61,18 +60,18 @@ def test_scale_free_is_a_tree(robots, tmp_path):
 def test_edge_list_file(tmp_path):
     (tmp_path / "office.csv").write_text("from,to\n0,1\n1,4\n4,1\n")
     topology = parse("office.csv", tmp_path)
-    assert not topology.directed
-    assert (topology.name, topology.edges) == ("office", ((0, 1), (1, 4)))
+    assert (topology.name, topology.edges, topology.directed) == ("office", ((0, 1), (1, 4)), False)
     topology.check(5)
     with pytest.raises(ValueError, match=r"office.csv: edge \(1, 4\).*not there: the robots are numbered 0 to 3"):
         topology.check(4)
 
 
 def test_a_graphs_own_numbers_are_kept(tmp_path):
-    assert parse(nx.Graph([(4, 5), (0, 1)]), tmp_path).edges == ((0, 1), (4, 5))
-    assert parse(nx.DiGraph([(np.int64(3), 2), (0, 1)]), tmp_path).edges == ((0, 1), (3, 2))
-    assert parse(nx.Graph([("c", "a"), ("b", "a")]), tmp_path).edges == ((0, 1), (1, 2))
-    assert parse(nx.Graph([(-1, 0)]), tmp_path).edges == ((0, 1),)
+    for graph, edges in (
+        (nx.Graph([(4, 5), (0, 1)]), ((0, 1), (4, 5))), (nx.DiGraph([(np.int64(3), 2), (0, 1)]), ((0, 1), (3, 2))),
+        (nx.Graph([("c", "a"), ("b", "a")]), ((0, 1), (1, 2))), (nx.Graph([(-1, 0)]), ((0, 1),)),
+    ):  # fmt: skip
+        assert parse(graph, tmp_path).edges == edges
 
 
 def heard(topology, robots, graph=0):
@@ -96,26 +95,23 @@ def test_of_a_directed_edge_the_second_hears_the_first(kind, tmp_path):
         "file": {"file": "office.csv", "directed": True},
     }[kind]
     topology = parse(value, tmp_path)
-    assert topology.directed
-    assert heard(topology, 4) == ONE_WAY
+    assert (topology.directed, heard(topology, 4)) == (True, ONE_WAY)
     again = parse(topology.form, tmp_path)
     assert (again.edges, again.directed, again.content) == (topology.edges, True, topology.content)
 
 
 def test_the_same_edges_both_ways_are_another_topology(tmp_path):
     one, both = (parse({"name": "x", "edges": [[0, 1]], "directed": d}, tmp_path) for d in (True, False))
-    assert heard(one, 2) == {(0, 1)}
-    assert heard(both, 2) == {(0, 1), (1, 0)}
+    assert (heard(one, 2), heard(both, 2)) == ({(0, 1)}, {(0, 1), (1, 0)})
     assert one.content != both.content
     assert both.content == parse({"name": "x", "edges": [[1, 0]]}, tmp_path).content
 
 
-@pytest.mark.parametrize(
-    ("form", "degree"),
-    [({"networkx": "gnp_random_graph", "p": 0.1, "directed": True}, None),
-     ({"networkx": "random_k_out_graph", "k": 3, "alpha": 1.0}, 3),
-     ({"networkx": "scale_free_graph"}, None)],
-)  # fmt: skip
+@pytest.mark.parametrize(("form", "degree"), [
+    ({"networkx": "gnp_random_graph", "p": 0.1, "directed": True}, None),
+    ({"networkx": "random_k_out_graph", "k": 3, "alpha": 1.0}, 3),
+    ({"networkx": "scale_free_graph"}, None),
+])  # fmt: skip
 def test_generators_that_make_directed_graphs(form, degree, tmp_path):
     topology = parse(form, tmp_path)
     topology.check(40)
@@ -145,7 +141,7 @@ def edges(*pairs, **keys):
     return {"name": "x", "edges": list(pairs)} | keys
 
 
-WRONG = [
+@pytest.mark.parametrize(("value", "said"), [
     ("rng", "topology"),
     (3, "a topology is"),
     ({"name": "ring", "edges": []}, "taken"),
@@ -169,10 +165,7 @@ WRONG = [
     ({"networkx": "hypercube_graph", "n": 100}, r"robots for n = \d+ already: give an n for 10 robots"),
     ({"networkx": "grid_2d_graph", "m": 10_000, "n": 10_000}, "robots for n = .* already"),
     ({"networkx": "dorogovtsev_goltsev_mendes_graph"}, "robots for n = .* already"),
-]
-
-
-@pytest.mark.parametrize(("value", "said"), WRONG)
+])  # fmt: skip
 def test_wrong_topologies_are_refused(value, said, tmp_path):
     with pytest.raises(ValueError, match=said):
         parse(value, tmp_path).check(10)
@@ -180,8 +173,8 @@ def test_wrong_topologies_are_refused(value, said, tmp_path):
 
 def test_other_numbers_on_edges_and_multigraphs_are_read(tmp_path):
     graph = nx.Graph([(0, 1, {"label": "x", "near": True, "weight": 1.0}), (1, 2)])
-    assert parse(graph, tmp_path).edges == ((0, 1), (1, 2))
-    assert parse(nx.MultiGraph([(0, 1), (1, 2)]), tmp_path).edges == ((0, 1), (1, 2))
+    for one in (graph, nx.MultiGraph([(0, 1), (1, 2)])):
+        assert parse(one, tmp_path).edges == ((0, 1), (1, 2))
     assert parse(nx.MultiDiGraph([(0, 1), (1, 0)]), tmp_path).edges == ((0, 1), (1, 0))
     graph[1][2]["weight"] = 0.5
     with pytest.raises(sc.InputError, match=r"world.topology\[1\]"):
@@ -211,8 +204,6 @@ def test_a_file_next_to_the_study_comes_before_other_packages(tmp_path, monkeypa
 
 
 # ---- small worlds, grids, tori, random geometric graphs
-
-
 @pytest.mark.parametrize(("robots", "rows", "columns"), [(30, 5, 6), (12, 3, 4), (9, 3, 3), (100, 10, 10), (18, 3, 6)])
 @pytest.mark.parametrize("name", ["grid", "torus"])
 def test_grids_and_tori_are_as_square_as_they_can_be(name, robots, rows, columns, tmp_path):
@@ -230,17 +221,14 @@ def test_named_columns_make_a_longer_grid(tmp_path):
     assert nx.is_isomorphic(graph_of(links_of(topology, 22), 0, 22), nx.grid_2d_graph(2, 11))
 
 
-@pytest.mark.parametrize(
-    ("value", "robots", "said"),
-    [
-        ("grid", 22, "as 24 robots do: 2 x 11 is too long, unless columns are named"),
-        ("grid", 7, "as 8 robots do: 1 x 7 is too long"),
-        ("torus", 3, "as 9 robots do"),
-        ({"name": "torus", "columns": 5}, 12, "columns = 5 makes no 3 or more whole rows"),
-        ({"name": "torus", "columns": 5}, 10, "columns = 5 makes no 3 or more whole rows"),
-        ({"name": "random-geometric", "radius": 0.01}, 50, "none of 100 graphs .* a larger radius is right"),
-    ],
-)
+@pytest.mark.parametrize(("value", "robots", "said"), [
+    ("grid", 22, "as 24 robots do: 2 x 11 is too long, unless columns are named"),
+    ("grid", 7, "as 8 robots do: 1 x 7 is too long"),
+    ("torus", 3, "as 9 robots do"),
+    ({"name": "torus", "columns": 5}, 12, "columns = 5 makes no 3 or more whole rows"),
+    ({"name": "torus", "columns": 5}, 10, "columns = 5 makes no 3 or more whole rows"),
+    ({"name": "random-geometric", "radius": 0.01}, 50, "none of 100 graphs .* a larger radius is right"),
+])  # fmt: skip
 def test_networks_that_do_not_fit_are_refused(value, robots, said, tmp_path):
     with pytest.raises(sc.InputError, match=f"topology .* of {robots} robots.*{said}"):
         parse(value, tmp_path).check(robots)
@@ -282,7 +270,6 @@ def test_random_geometric_robots_hear_all_within_the_radius():
 
 
 # ---- labels
-
 SMALL_WORLD = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1}
 
 
@@ -290,23 +277,19 @@ SMALL_WORLD = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1}
 def test_a_label_names_a_topology_and_changes_no_number(value, tmp_path):
     (tmp_path / "e.csv").write_text("i,j\n0,1\n")
     plain, labelled = parse(value, tmp_path), parse({**value, "label": "small world"}, tmp_path)
-    assert plain == labelled
-    assert plain.content == labelled.content
+    assert (plain, plain.content) == (labelled, labelled.content)
     assert (str(labelled), labelled.name) == ("small world", str(plain))
     assert str(parse(labelled.form, tmp_path)) == "small world"
 
 
-@pytest.mark.parametrize(
-    ("topologies", "said"),
-    [
-        ([{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}], '"a": two topologies have this label'),
-        (["ring", {"name": "line", "label": "ring"}], '"ring": this label is the name of another topology or floor'),
-        (["ring", {"name": "ring", "label": "a"}], "world.topology have one name: ring, ring"),
-        ({"name": "ring", "label": ""}, "label should be a text, and not empty"),
-        ({"name": "moving", "label": "walkers"}, 'always called "moving"'),
-        ({"name": "ring", "label": "a\nb"}, "no control characters"),
-    ],
-)
+@pytest.mark.parametrize(("topologies", "said"), [
+    ([{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}], '"a": two topologies have this label'),
+    (["ring", {"name": "line", "label": "ring"}], '"ring": this label is the name of another topology or floor'),
+    (["ring", {"name": "ring", "label": "a"}], "world.topology have one name: ring, ring"),
+    ({"name": "ring", "label": ""}, "label should be a text, and not empty"),
+    ({"name": "moving", "label": "walkers"}, 'always called "moving"'),
+    ({"name": "ring", "label": "a\nb"}, "no control characters"),
+])  # fmt: skip
 def test_wrong_labels_are_refused(topologies, said):
     with pytest.raises(sc.InputError, match=said):
         study_of(robots=12, topology=topologies)
@@ -330,7 +313,6 @@ def test_a_label_is_the_name_in_results_and_figures(here, accepted):
 
 
 # ---- graphs of other programs
-
 PATH, BACK = nx.path_graph(4), nx.DiGraph([(3, 0), (0, 1)])
 BACK.add_node(2)
 
@@ -353,8 +335,7 @@ def test_graph_files_are_read(ending, graph, tmp_path):
     assert topology.edges == tuple(sorted(graph.edges))
     with pytest.raises(ValueError, match=rf"office.{ending} has 4 nodes: should be as many as robots, 6"):
         topology.check(6)
-    both = parse({"file": f"office.{ending}", "directed": False}, tmp_path)
-    assert not both.directed
+    assert not parse({"file": f"office.{ending}", "directed": False}, tmp_path).directed
 
 
 @pytest.mark.parametrize("ending", WRITE)
@@ -391,69 +372,55 @@ def gml(more):
     return f"graph [ node [ id 0 ] node [ id 1 ] edge [ source 0 target 1 {more} ] ]"
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "keys", "said"),
-    [
-        ("x.gml", "graph [\n node ]", {}, "x.gml: cannot be read as GML: .* found '\\]' at \\(2, 7\\)"),
-        ("x.gml", "graph [ ] graph [ ]", {}, "more than one graph"),
-        ("x.gml", "graph [ node [ id 0 ] edge [ source 0 target 1 ] ]", {}, "undefined target 1"),
-        ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
-        ("x.graphml", "<gexf><graph/></gexf>", {}, "not successfully read as graphml"),
-        ("x.graphml", XML("<graph><hyperedge/></graph>"), {}, "hyperedges"),
-        (
-            "x.graphml",
-            XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"),
-            {},
-            "nodes within nodes.*table",
-        ),
-        ("x.graphml", XML(f"<graph>{NODES}</graph><graph>{NODES}</graph>"), {}, "nodes within nodes, .*missing"),
-        ("x.graphml", XML("<graph><edge source='a' target='b'/></graph>"), {}, "nodes within nodes, .*missing"),
-        ("x.gexf", gexf('<node id="a"/><node id="b" pid="a"/>'), {}, "nodes within nodes"),
-        ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node 0 is a group of nodes"),
-        ("x.gexf", gexf('<node id="a" start="1"/>'), {}, "links have times, .* a table source"),
-        ("x.graphml", graphml(default=0.5), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
-        ("x.graphml", graphml('directed="maybe"'), {}, "directed should be true or false"),
-        ("x.graphml", graphml('directed="true"'), {}, "directed=true edge found in undirected graph"),
-        ("x.gml", gml("weight 3"), {}, r"weight = 3: links have no weights"),
-        ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 is not UTF-8"),
-        ("x.gml", gml(""), {}, "x.gml has 2 nodes: should be as many as robots, 10"),
-        ("x.gml", gml(""), {"directed": True}, "undirected graph: leave out directed"),
-        ("x.gml", gml(""), {"renumber": True}, "renumber is for tables"),
-        ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
-        ("x.csv", "0,1\n1\n", {}, "line 2: 1 value .* where there should be 2"),
-        ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: column 'i': 'a': should be a whole number from 0"),
-        ("x.csv", "i,j\n1,2\n2,10\n", {}, "seem to start at 1; renumber = true numbers them from 0"),
-        ("x.csv", "0 1 5\n", {}, 'third column: links have no weights.*weights = "ignore"'),
-    ],
-)
+@pytest.mark.parametrize(("name", "text", "keys", "said"), [
+    ("x.gml", "graph [\n node ]", {}, "x.gml: cannot be read as GML: .* found '\\]' at \\(2, 7\\)"),
+    ("x.gml", "graph [ ] graph [ ]", {}, "more than one graph"),
+    ("x.gml", "graph [ node [ id 0 ] edge [ source 0 target 1 ] ]", {}, "undefined target 1"),
+    ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
+    ("x.graphml", "<gexf><graph/></gexf>", {}, "not successfully read as graphml"),
+    ("x.graphml", XML("<graph><hyperedge/></graph>"), {}, "hyperedges"),
+    ("x.graphml", XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"), {}, "nodes within nodes.*table"),
+    ("x.graphml", XML(f"<graph>{NODES}</graph><graph>{NODES}</graph>"), {}, "nodes within nodes, .*missing"),
+    ("x.graphml", XML("<graph><edge source='a' target='b'/></graph>"), {}, "nodes within nodes, .*missing"),
+    ("x.gexf", gexf('<node id="a"/><node id="b" pid="a"/>'), {}, "nodes within nodes"),
+    ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node 0 is a group of nodes"),
+    ("x.gexf", gexf('<node id="a" start="1"/>'), {}, "links have times, .* a table source"),
+    ("x.graphml", graphml(default=0.5), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
+    ("x.graphml", graphml('directed="maybe"'), {}, "directed should be true or false"),
+    ("x.graphml", graphml('directed="true"'), {}, "directed=true edge found in undirected graph"),
+    ("x.gml", gml("weight 3"), {}, r"weight = 3: links have no weights"),
+    ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 is not UTF-8"),
+    ("x.gml", gml(""), {}, "x.gml has 2 nodes: should be as many as robots, 10"),
+    ("x.gml", gml(""), {"directed": True}, "undirected graph: leave out directed"),
+    ("x.gml", gml(""), {"renumber": True}, "renumber is for tables"),
+    ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
+    ("x.csv", "0,1\n1\n", {}, "line 2: 1 value .* where there should be 2"),
+    ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: column 'i': 'a': should be a whole number from 0"),
+    ("x.csv", "i,j\n1,2\n2,10\n", {}, "seem to start at 1; renumber = true numbers them from 0"),
+    ("x.csv", "0 1 5\n", {}, 'third column: links have no weights.*weights = "ignore"'),
+])  # fmt: skip
 def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_path):
     (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError, match=said):
         parse({"file": name, **keys}, tmp_path).check(10)
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "edges"),
-    [
-        ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
-         ((0, 1),)),
-        ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),)),
-        ("x.graphml", graphml('directed="true"', way="directed"), ((0, 1),)),
-        ("x.gexf", gexf(edges=EDGE.format('id="9" type="mutual"')), ((0, 1), (1, 0))),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "text", "edges"), [
+    ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
+     ((0, 1),)),
+    ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),)),
+    ("x.graphml", graphml('directed="true"', way="directed"), ((0, 1),)),
+    ("x.gexf", gexf(edges=EDGE.format('id="9" type="mutual"')), ((0, 1), (1, 0))),
+])  # fmt: skip
 def test_links_go_the_ways_that_files_say(name, text, edges, tmp_path):
     (tmp_path / name).write_text(text)
     assert parse(name, tmp_path).edges == edges
 
 
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
-        ("x.graphml", "<!--yFiles-->" + graphml(way="directed")),
-        ("x.gml", 'Creator "yFiles"\n' + gml("").replace("[", "[ directed 1", 1)),
-    ],
-)
+@pytest.mark.parametrize(("name", "text"), [
+    ("x.graphml", "<!--yFiles-->" + graphml(way="directed")),
+    ("x.gml", 'Creator "yFiles"\n' + gml("").replace("[", "[ directed 1", 1)),
+])  # fmt: skip
 def test_of_files_of_yed_the_study_says_whether_links_are_directed(name, text, tmp_path):
     (tmp_path / name).write_text(text)
     with pytest.raises(sc.InputError, match=rf"{name}: .*yEd .*: say directed = true or false"):
@@ -462,7 +429,7 @@ def test_of_files_of_yed_the_study_says_whether_links_are_directed(name, text, t
     assert parse({"file": name, "directed": True}, tmp_path).directed
 
 
-TABLES = [
+@pytest.mark.parametrize(("text", "keys"), [
     ("source,target\nhall,attic\nattic,shed\n", {}),
     ("source\ttarget\tweight\n0\t1\t.5\n1\t2\t3\n", {"weights": "ignore"}),
     ("# a comment\n0 1 5\n1 2 7\n", {"weights": "ignore"}),
@@ -470,34 +437,27 @@ TABLES = [
     ("% KONECT\n1 2\n2 3\n", {"renumber": True}),
     ("i,j\n10,30\n30,200\n", {"renumber": True}),
     ("i,j\na,7\n7,b\n", {"renumber": True}),
-]
-
-
-@pytest.mark.parametrize(("text", "keys"), TABLES)
+])  # fmt: skip
 def test_tables_with_weights_and_names_of_nodes(text, keys, tmp_path):
     (tmp_path / "x.csv").write_text(text)
     assert parse({"file": "x.csv", **keys}, tmp_path).edges == ((0, 1), (1, 2))
 
 
-@pytest.mark.parametrize(
-    ("pairs", "links"),
-    [
-        ([], []),
-        (iter([(1, 0), (0, 1), (2, 1)]), [(0, 1), (1, 0), (1, 2), (2, 1)]),
-        ({(0, 2)}, [(0, 2), (2, 0)]),
-        (np.array([[2, 1]], np.uint8), [(1, 2), (2, 1)]),
-        (zip(range(2), range(1, 3), strict=True), [(0, 1), (1, 0), (1, 2), (2, 1)]),
-    ],
-)
+@pytest.mark.parametrize(("pairs", "links"), [
+    ([], []),
+    (iter([(1, 0), (0, 1), (2, 1)]), [(0, 1), (1, 0), (1, 2), (2, 1)]),
+    ({(0, 2)}, [(0, 2), (2, 0)]),
+    (np.array([[2, 1]], np.uint8), [(1, 2), (2, 1)]),
+    (zip(range(2), range(1, 3), strict=True), [(0, 1), (1, 0), (1, 2), (2, 1)]),
+])  # fmt: skip
 def test_pairs_may_be_given_in_many_ways(pairs, links):
     receivers, senders = wiring.heard(wiring.pairs_of(pairs, 3), False)
     assert list(zip(receivers.tolist(), senders.tolist(), strict=True)) == links
 
 
-@pytest.mark.parametrize(
-    "pairs",
-    [[(0, 1), (1, 2, 0)], [0, 1], [(0.0, 1.0)], [("0", "1")], [(True, False)], [(0, 2**70)], np.zeros((1, 3), int)],
-)
+@pytest.mark.parametrize("pairs", [
+    [(0, 1), (1, 2, 0)], [0, 1], [(0.0, 1.0)], [("0", "1")], [(True, False)], [(0, 2**70)], np.zeros((1, 3), int),
+])  # fmt: skip
 def test_what_are_no_pairs(pairs):
     with pytest.raises(ValueError, match="its edges should be pairs of robot numbers, from 0"):
         wiring.pairs_of(pairs, 3)
@@ -521,16 +481,14 @@ def test_deterministic_generator_makes_one_graph(tmp_path):
 
 def test_degrees_of_scale_free_networks(tmp_path):
     """P(k) = 4 / (k (k + 1) (k + 2)) for m = 1 (Bollobas et al. 2001): chi-square, 0.1 % level, fixed seed."""
-    receivers = links_of(parse("scale-free", tmp_path), 20_000).receivers
-    degrees, k = np.bincount(receivers, minlength=20_000), np.arange(1, 9)
+    degrees = np.bincount(links_of(parse("scale-free", tmp_path), 20_000).receivers, minlength=20_000)
+    k = np.arange(1, 9)
     law = 4 / (k * (k + 1) * (k + 2))
     found = np.append([(degrees == j).sum() for j in k], (degrees > 8).sum())
     assert stats.chisquare(found, np.append(law, 1 - law.sum()) * 20_000).pvalue > 1e-3
 
 
 # ---- r-robustness and (r, s)-robustness against known graphs and against their definitions, told by sets of Python
-
-
 def pairs_of_sets(graph):
     """Every two disjoint sets of nodes, neither empty."""
     for sides in itertools.product((0, 1, 2), repeat=len(graph)):
@@ -549,12 +507,8 @@ def reaching(graph, some, r):
 
 
 def robust(graph, r, s):
-    return all(
-        reaching(graph, one, r) == len(one)
-        or reaching(graph, other, r) == len(other)
-        or reaching(graph, one, r) + reaching(graph, other, r) >= s
-        for one, other in pairs_of_sets(graph)
-    )
+    found = ([(len(side), reaching(graph, side, r)) for side in sides] for sides in pairs_of_sets(graph))
+    return all(any(size == far for size, far in both) or sum(far for _, far in both) >= s for both in found)
 
 
 def largest_r(graph):
@@ -591,9 +545,8 @@ def test_complete_graphs(n):
 
 def test_hearers_of_a_directed_edge():
     """All hear robot 0, and it hears nobody: a set with it and one without, of which one hears."""
-    out = [(0, k) for k in range(1, 5)]
+    out, back = [(0, k) for k in range(1, 5)], [(k, 0) for k in range(1, 5)]
     assert r_robustness(out, directed=True) == r_robustness(nx.DiGraph(out)) == 1
-    back = [(k, 0) for k in range(1, 5)]
     assert r_robustness(back, directed=True) == 0  # robots 1 and 2 hear nobody
     assert r_robustness(out) == r_robustness(back) == 1
 
@@ -601,41 +554,32 @@ def test_hearers_of_a_directed_edge():
 def test_every_form_of_a_graph():
     edges = [(0, 1), (1, 2), (2, 0), (2, 3), (3, 0)]
     forms = [
-        edges,
-        np.array(edges),
-        nx.Graph(edges),
-        nx.relabel_nodes(nx.Graph(edges), dict(enumerate("abcd"))),
-        nx.relabel_nodes(nx.Graph(edges), {0: 7, 1: 3, 2: 20, 3: 5}),
-        {"name": "square", "edges": edges},
-        networks.parse_topology({"name": "square", "edges": edges}, None, {}),
-        nx.Graph([*edges, (1, 1)]),
-    ]
+        edges, np.array(edges), nx.Graph(edges), nx.relabel_nodes(nx.Graph(edges), dict(enumerate("abcd"))),
+        nx.relabel_nodes(nx.Graph(edges), {0: 7, 1: 3, 2: 20, 3: 5}), {"name": "square", "edges": edges},
+        networks.parse_topology({"name": "square", "edges": edges}, None, {}), nx.Graph([*edges, (1, 1)]),
+    ]  # fmt: skip
     assert [r_robustness(form) for form in forms] == [2] * len(forms)
     assert r_robustness(edges, 5) == 0  # and a robot that hears nobody
 
 
-@pytest.mark.parametrize(
-    ("ask", "said"),
-    [
-        (lambda: r_robustness("ring", 13), "13 robots: should be 1 to 12"),
-        (lambda: r_robustness(nx.Graph()), "0 robots: should be 1 to 12"),
-        (lambda: r_robustness("ring"), "say how many robots"),
-        (lambda: r_robustness("scale-free", 8), "'scale-free' differs from trial to trial"),
-        (lambda: r_robustness([(0, 4)], 3), "leads to a robot that is not there"),
-        (lambda: is_rs_robust("full", 2, 0, 5), "s from 1 to the number of robots, 5"),
-        (lambda: is_rs_robust("full", -1, 1, 5), "r is from 0 on"),
-        (lambda: r_robustness([(0, 1)], True), "robots = True: should be a whole number"),
-        (lambda: is_rs_robust("full", True, 1, 4), "r = True: should be a whole number"),
-        (lambda: is_rs_robust("full", 1, "1", 4), "s = '1': should be a whole number"),
-        (lambda: r_robustness([(0, 1)], directed="yes"), "directed = 'yes': should be True or False"),
-        (lambda: r_robustness(5), "graph = 5: should be a networkx graph"),
-        (lambda: r_robustness([1, 2]), "edges are pairs of robot numbers"),
-        (lambda: r_robustness(nx.path_graph(3), 7), "robots = 7: the graph has 3 nodes: should be 3, or left out"),
-        (lambda: r_robustness({"networkx": "star_graph", "n": 4}, 4), "gives 5 robots instead of 4"),
-        (lambda: r_robustness({"networkx": "gnp_random_graph", "p": 0.5}, 4), "differs from trial to trial"),
-    ],
-)
+@pytest.mark.parametrize(("ask", "said"), [
+    (lambda: r_robustness("ring", 13), "13 robots: should be 1 to 12"),
+    (lambda: r_robustness(nx.Graph()), "0 robots: should be 1 to 12"),
+    (lambda: r_robustness("ring"), "say how many robots"),
+    (lambda: r_robustness("scale-free", 8), "'scale-free' differs from trial to trial"),
+    (lambda: r_robustness([(0, 4)], 3), "leads to a robot that is not there"),
+    (lambda: is_rs_robust("full", 2, 0, 5), "s from 1 to the number of robots, 5"),
+    (lambda: is_rs_robust("full", -1, 1, 5), "r is from 0 on"),
+    (lambda: r_robustness([(0, 1)], True), "robots = True: should be a whole number"),
+    (lambda: is_rs_robust("full", True, 1, 4), "r = True: should be a whole number"),
+    (lambda: is_rs_robust("full", 1, "1", 4), "s = '1': should be a whole number"),
+    (lambda: r_robustness([(0, 1)], directed="yes"), "directed = 'yes': should be True or False"),
+    (lambda: r_robustness(5), "graph = 5: should be a networkx graph"),
+    (lambda: r_robustness([1, 2]), "edges are pairs of robot numbers"),
+    (lambda: r_robustness(nx.path_graph(3), 7), "robots = 7: the graph has 3 nodes: should be 3, or left out"),
+    (lambda: r_robustness({"networkx": "star_graph", "n": 4}, 4), "gives 5 robots instead of 4"),
+    (lambda: r_robustness({"networkx": "gnp_random_graph", "p": 0.5}, 4), "differs from trial to trial"),
+])  # fmt: skip
 def test_errors_say_what_is_right(ask, said):
-    with pytest.raises(ValueError, match=said.replace("(", r"\(")) as caught:
+    with pytest.raises(ValueError, match=rf"^.*{re.escape(said)}.*\Z"):  # in one line
         ask()
-    assert "\n" not in str(caught.value)

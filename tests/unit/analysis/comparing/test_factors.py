@@ -1,6 +1,7 @@
 """Comparisons of the levels of any coordinate, and whether an effect differs between levels of another one."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -37,20 +38,16 @@ def numbers_of(data, name, **where):
 def test_contenders_are_the_levels_and_worlds_all_else(ran):
     grid, cautions = grid_of(ran, ran, factor=["topology"])
     assert grid.contenders == ["ring", "line"]
-    assert [*grid.worlds[0]] == ["robots", "fill_ratio", "link_success"]
-    assert len(grid.worlds) == 8
+    assert ([*grid.worlds[0]], len(grid.worlds)) == (["robots", "fill_ratio", "link_success"], 8)
     assert not cautions
 
 
-@pytest.mark.parametrize(
-    ("factor", "paired", "reason"),
-    [
-        ("topology", True, "readings"),
-        ("link_success", True, "readings"),
-        ("fill_ratio", True, "lost messages"),  # of worlds in which messages are lost
-        ("robots", False, "depend on robots"),
-    ],
-)
+@pytest.mark.parametrize(("factor", "paired", "reason"), [
+    ("topology", True, "readings"),
+    ("link_success", True, "readings"),
+    ("fill_ratio", True, "lost messages"),  # of worlds in which messages are lost
+    ("robots", False, "depend on robots"),
+])  # fmt: skip
 def test_trials_are_paired_where_they_share_random_numbers(ran, factor, paired, reason):
     found = sc.compare(ran, "final_error", factor=factor)
     assert found.contests[0].paired.any() == paired
@@ -91,8 +88,8 @@ def test_independent_levels_are_tested_by_ranks(ran):
 def test_levels_of_two_factors_are_their_combinations(ran):
     found = sc.compare(ran, "final_error", factor=["topology", "robots"])
     assert found.contenders == ["ring, robots=6", "ring, robots=9", "line, robots=6", "line, robots=9"]
-    paired = found.contests[0].paired[0]  # ring-ring, ring-line of 6, ring 6 - line 9, ...
-    assert paired.tolist() == [False, True, False, False, True, False]
+    # ring-ring, ring-line of 6, ring 6 - line 9, ...
+    assert found.contests[0].paired[0].tolist() == [False, True, False, False, True, False]
 
 
 @pytest.mark.interpreted
@@ -117,26 +114,21 @@ def test_liars_are_compared_with_none():
 
 
 def test_a_parameter_of_a_brain_is_a_factor():
-    data = made_up()
-    found = sc.compare(data, "final_error", where='brain == "bayes-bots"', factor="prior")
+    found = sc.compare(made_up(), "final_error", where='brain == "bayes-bots"', factor="prior")
     assert found.contenders == ["prior=1", "prior=10"]
     assert found.pairing == ["not paired: these results do not say which random numbers their trials share"]
 
 
-@pytest.mark.parametrize(
-    ("factor", "key", "said"),
-    [
-        ("topologie", "factor", "did you mean 'topology'"),
-        ("accuracy_black", "factor", "accuracy: name that"),
-        ("accuracy", "factor", "they differ in topology, robots, fill_ratio, link_success"),
-        ((), None, "They differ in topology, robots, fill_ratio, link_success: choose what to compare"),
-    ],
-)
+@pytest.mark.parametrize(("factor", "key", "said"), [
+    ("topologie", "factor", "did you mean 'topology'"),
+    ("accuracy_black", "factor", "accuracy: name that"),
+    ("accuracy", "factor", "they differ in topology, robots, fill_ratio, link_success"),
+    ((), None, "They differ in topology, robots, fill_ratio, link_success: choose what to compare"),
+])  # fmt: skip
 def test_a_factor_that_cannot_be_compared_is_refused(ran, factor, key, said):
-    with pytest.raises(InputError) as refusal:
+    with pytest.raises(InputError, match=said) as refusal:
         sc.compare(ran, factor=factor)
     assert refusal.value.key == key
-    assert said in str(refusal.value)
 
 
 def test_one_level_is_named_by_its_value(ran):
@@ -267,8 +259,7 @@ def test_profiles_keep_trials_in_which_nothing_happened():
 
 
 def test_profiles_are_drawn_and_other_measures_are_refused(ran):
-    figure = sc.plot.lines(made_up(), form="steps", y="right_consensus_round")
-    lines = figure.axes[0].get_lines()
+    lines = sc.plot.lines(made_up(), form="steps", y="right_consensus_round").axes[0].get_lines()
     assert len(lines) == 4
     assert max(lines[0].get_ydata()) < 100.0
     with pytest.raises(InputError) as refusal:
@@ -286,13 +277,10 @@ def test_the_command_compares_a_factor(ran, refused, accepted):
     found = sc.compare(ran, "final_error", factor="topology", margin=0.5)
     assert document["sentences"] == found.verdict + found.pair_sentences
     assert len(found.pair_sentences) == 8
-    assert "They differ in topology" in refused("compare", "ran.nc")
-    assert "--factor topology" in refused("compare", "ran.nc")
+    assert re.search("They differ in topology.*--factor topology", refused("compare", "ran.nc"))
 
 
 # ---- interactions: whether an effect differs between levels of another factor, by hand, by brute force and by chance
-
-
 HOW = {(True, True): "signed-rank", (False, True): "rank-sum", (True, False): "rank-sum", (False, False): "rank-sum"}
 WORLD = {"topology": ["ring", "line"], "fill_ratio": [0.35, 0.6]}
 
@@ -309,14 +297,10 @@ def four(data, topology=("ring", "line"), of="final_error", **where):
     found = np.zeros((2, 2, data.sizes["trial"]))
     for a, brain in enumerate(("minimalistic", "legacy")):
         for b, name in enumerate(topology):
-            rows = (data["brain"] == brain) & (data["topology"] == name)
-            for key, value in where.items():
-                rows = rows & (data[key] == value)
-            found[a, b] = measures.numbers(data, of)[rows.values].mean(axis=0)
+            wanted = {"brain": brain, "topology": name} | where
+            rows = np.logical_and.reduce([data[key].values == value for key, value in wanted.items()])
+            found[a, b] = measures.numbers(data, of)[rows].mean(axis=0)
     return found
-
-
-# ---- by hand
 
 
 def test_an_example_by_hand():
@@ -343,9 +327,6 @@ def test_trials_that_some_lack_are_left_out():
     row, _ = _difference(numbers, False, True)
     assert (row["trials"], row["other_trials"]) == (7, 7)
     assert row["difference"] == pytest.approx(row["effect"] - row["other_effect"])
-
-
-# ---- rows, by brute force
 
 
 def test_rows_are_those_of_the_definition(two_brains):
@@ -401,25 +382,20 @@ def test_effects_that_are_the_same_in_every_trial_have_no_interval(two_brains):
 
 def test_whoever_names_an_interaction_gets_a_sentence_that_adds_up():
     data = made_up(2, trials=20)
-    error = data["final_estimate"] - 0.55
     high = (data["brain"] == "bayes-bots") & (data["topology"] == "full")
-    data["final_estimate"] = 0.55 + error.where(~high, error + 0.5)
+    data["final_estimate"] = data["final_estimate"] + 0.5 * high
     found = sc.compare(data, "final_error", interaction="topology")
     [row], [sentence] = found.rows, found.sentences
     assert row["told_apart"]
     assert row["difference"] == pytest.approx(0.5, abs=0.02)
     effects = f"{row['effect']:.3g} with ring and {row['other_effect']:.3g} with full"
-    assert sentence.startswith(
-        f"the effect of minimalistic vs. bayes-bots on final error is {effects}; difference 0.50"
-    )
+    said = f"the effect of minimalistic vs. bayes-bots on final error is {effects}; difference 0.50"
+    assert sentence.startswith(said)
     assert "two samples, p < 0.001)" in sentence  # it is not known what these trials share
     said = json.loads(found.to_json())
     assert said["sentences"] == [sentence]
     assert said["rows"][0]["difference"] == row["difference"]
     assert len(said["cells"]) == 4
-
-
-# ---- by chance
 
 
 @pytest.mark.parametrize("skewed", [False, True], ids=["normal", "skewed"])
@@ -443,18 +419,14 @@ def test_intervals_hold_and_tests_err_as_often_as_they_say(sharing, skewed):
     assert missed >= 3  # an interval of any width would hold: 5 % of 300 are fewer with probability 0.0001
 
 
-# ---- what cannot be answered
-
-
 def test_what_cannot_be_answered_is_refused_with_the_reason(two_brains):
-    refusals = [
+    for given, why in (
         ({"interaction": "brain"}, "interaction='brain': it is the factor"),
         ({"interaction": "robots"}, "all settings have the same, 6"),
         ({"interaction": "topologie"}, "did you mean 'topology'"),
         ({"interaction": "topology", "margin": 0.1}, "does not go with an interaction"),
         ({"interaction": "topology", "against": "alone"}, "there are minimalistic, legacy"),
-    ]
-    for given, why in refusals:
+    ):
         with pytest.raises(InputError, match=why):
             sc.compare(two_brains, **given)
     some = two_brains.isel(setting=~((two_brains["brain"] == "legacy") & (two_brains["topology"] == "line")).values)
@@ -468,8 +440,6 @@ def test_what_cannot_be_answered_is_refused_with_the_reason(two_brains):
 
 
 # ---- the command, and coordinates by which worlds differ
-
-
 def test_the_command_says_it(two_brains, here, accepted, refused):
     sc.save(two_brains, "a.nc")
     how = ["compare", "a.nc", "--by", "topology", "--metric", "final_error"]
@@ -487,9 +457,8 @@ def test_lines_of_the_figure_are_the_cells(two_brains):
     for axes, measure, times in zip(figure.axes, ("final_error", "correct"), (1, 100), strict=True):
         lines = [line for line in axes.lines if line.get_label().startswith("line ")]
         cells = [cell for cell in found.cells if cell["measure"] == measure]
-        assert np.concatenate([line.get_ydata() for line in lines]) == pytest.approx(
-            [times * cell["value"] for cell in cells]
-        )
+        values = [times * cell["value"] for cell in cells]
+        assert np.concatenate([line.get_ydata() for line in lines]) == pytest.approx(values)
     said = " ".join(sc.plot.caption(figure).split())
     assert all(f"{sentence}." in said for sentence in found.sentences)
 
@@ -498,9 +467,8 @@ def test_lines_of_the_figure_are_the_cells(two_brains):
 def test_dots_stand_beside_each_other_and_on_the_axes(by):
     """Twenty lines at two levels: each dot is nearer to its own level, within the limits."""
     levels = {"topology": ["ring", "full"], "accuracy": ["0.6", "0.8"]}[by]
-    parts = [
-        study(["0.7"] * 2, trials=6, brain=f"brain {k}").assign_coords({by: ("setting", levels)}) for k in range(20)
-    ]
+    parts = [study(["0.7"] * 2, trials=6, brain=f"brain {k}") for k in range(20)]
+    parts = [part.assign_coords({by: ("setting", levels)}) for part in parts]
     results = xr.concat(parts, "setting").assign_coords(setting=range(40))
     figure = sc.plot.interaction(results, by=by, metric="convergence_error", width=3.5)
     figure.draw_without_rendering()
@@ -508,8 +476,7 @@ def test_dots_stand_beside_each_other_and_on_the_axes(by):
     lines = [line for line in axes.lines if line.get_label().startswith("line ")]
     places = np.array([line.get_transform().transform(line.get_xydata())[:, 0] for line in lines])
     left, right = axes.bbox.x0, axes.bbox.x1
-    assert places.shape == (20, 2)
-    assert len({*places[:, 0].round(3).tolist()}) == 20
+    assert (places.shape, len({*places[:, 0].round(3).tolist()})) == ((20, 2), 20)
     assert left < places.min()
     assert places.max() < right
     assert np.ptp(places[:, 0]) < 0.8 * np.diff(places[0])[0]
@@ -537,9 +504,8 @@ def test_what_is_a_factor_also_divides_worlds(liars, name):
     assert len(counts) == 2 * len({*liars[name].values.tolist()})
     rows = sc.compare(liars, "final_error", where="liars != 2", interaction=name).rows
     assert len(rows) == 1
-    assert {rows[0]["level"], rows[0]["other_level"]} <= {
-        "liars=0", "liars=1", "plain", *liars["members"].values.tolist(),
-    }  # fmt: skip
+    levels = {"liars=0", "liars=1", "plain", *liars["members"].values.tolist()}
+    assert {rows[0]["level"], rows[0]["other_level"]} <= levels
 
 
 @pytest.mark.interpreted

@@ -1,7 +1,4 @@
-"""All settings beside exact theory: by hand, against brute force and runs, and what is printed of it.
-
-Tests of draws state their error rate: the chance that what is right fails them, were the seed not fixed.
-"""
+"""All settings with exact theory: by hand, against brute force and runs, and what is printed of it."""
 
 import itertools
 from types import SimpleNamespace
@@ -20,10 +17,9 @@ RING, FULL, TREE = ({"topology": name, "fill_ratio": 0.55} for name in ("ring", 
 
 
 def run(brain, trials=60, seed=4, schedule=TEN, **swarm):
-    world = swarm.pop("world", RING)
-    members = swarm.pop("members", [])
+    more = {"world": swarm.pop("world", RING), "members": swarm.pop("members", []), "schedule": schedule}
     given = {"brain": brain, "robots": 8, "accuracy": 0.8} | swarm
-    return sc.run(sc.Study(trials=trials, seed=seed, swarm=given, members=members, world=world, schedule=schedule))
+    return sc.run(sc.Study(trials=trials, seed=seed, swarm=given, **more))
 
 
 def test_error_of_a_lone_robot():
@@ -65,12 +61,11 @@ def test_mixed_sums_have_the_evidence_that_matrices_give_them():
     np.testing.assert_allclose(theory.mixed_sums(matrix, 4, 10, 0.3, b).evidence, v)
 
 
+SIDES = {"accuracy": {"black": 0.9, "white": 0.6}}
 CELLS = {
     "ring": ("commons", {}),
     "drawn graphs and sensors": ("commons", {"accuracy": "U(0.7, 0.95)", "world": TREE | {"fill_ratio": 0.55}}),
-    "full, from the first round on, cut": (
-        "commons", {"accuracy": {"black": 0.9, "white": 0.6}, "world": FULL | {"fill_ratio": 0.05}, "schedule": FEW},
-    ),
+    "full, from the first round on, cut": ("commons", SIDES | {"world": FULL | {"fill_ratio": 0.05}, "schedule": FEW}),
     "alone, of unequal sensors": ("alone", {"accuracy": "U(0.55, 0.95)", "world": RING | {"fill_ratio": 0.05}}),
     "one robot": (["commons", "minimalistic"], {"robots": 1}),
     "nobody heard": (["commons", "minimalistic"], {"world": RING | {"fill_ratio": 0.95, "link_success": 0.0}}),
@@ -105,22 +100,17 @@ def test_what_is_wrong_differs():
 MIXED = [{"robots": 3, "brain": "consensus-innovations"}]
 
 
-@pytest.mark.parametrize(
-    ("brain", "tables", "why"),
-    [
-        pytest.param(
-            "swift", {}, "no closed form is known for swift", marks=[pytest.mark.long, pytest.mark.interpreted]
-        ),
-        ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
-        ("commons", {"world": RING | {"link_success": 0.5}}, "messages are lost"),
-        ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
-        ("commons", {"world": RING | {"message_delay": 1}}, "messages are late"),
-        ("commons", {"schedule": FEW | {"rounds": 2}}, "cutting estimates to"),
-        ("alone", {"trials": 20}, "fewer than 50 trials"),
-        ("alone", {"accuracy": 1.0, "world": RING | {"fill_ratio": 1.0}}, "readings are certain"),
-        pytest.param("alone", {"members": MIXED}, "robots have several brains", marks=pytest.mark.interpreted),
-    ],
-)
+@pytest.mark.parametrize(("brain", "tables", "why"), [
+    pytest.param("swift", {}, "no closed form is known for swift", marks=[pytest.mark.long, pytest.mark.interpreted]),
+    ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
+    ("commons", {"world": RING | {"link_success": 0.5}}, "messages are lost"),
+    ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
+    ("commons", {"world": RING | {"message_delay": 1}}, "messages are late"),
+    ("commons", {"schedule": FEW | {"rounds": 2}}, "cutting estimates to"),
+    ("alone", {"trials": 20}, "fewer than 50 trials"),
+    ("alone", {"accuracy": 1.0, "world": RING | {"fill_ratio": 1.0}}, "readings are certain"),
+    pytest.param("alone", {"members": MIXED}, "robots have several brains", marks=pytest.mark.interpreted),
+])  # fmt: skip
 def test_where_theory_is_not_exact_it_says_why(brain, tables, why):
     found = sc.explain(run(brain, **tables))
     assert (found.exact, found.agree) == (0, 0)
@@ -129,8 +119,7 @@ def test_where_theory_is_not_exact_it_says_why(brain, tables, why):
 
 
 def test_a_brain_of_the_same_name_is_not_taken_for_ours(monkeypatch):
-    data = run("commons")
-    other = SimpleNamespace(sha256="another")
+    data, other = run("commons"), SimpleNamespace(sha256="another")
     monkeypatch.setattr("swarmcensus.analysis.explaining.exact_errors.brains.load", lambda name: other)
     assert sc.explain(data).settings[0].why == "commons is not the one that ships"
 

@@ -30,20 +30,15 @@ def run(**changes):
 
 @pytest.fixture(scope="module")
 def results():
-    return run(
-        swarm={"brain": ["minimalistic", "commons"], "accuracy": [0.8, "U(0.6, 0.9)"]},
-        world={"topology": ["ring", "scale-free"]},
-    )
+    swarm = {"brain": ["minimalistic", "commons"], "accuracy": [0.8, "U(0.6, 0.9)"]}
+    return run(swarm=swarm, world={"topology": ["ring", "scale-free"]})
 
 
 def walk(truth="nominal"):
     """Robots that move."""
-    return sc.run(
-        sc.Study(
-            trials=6, seed=3, swarm=BASE["swarm"], world={"topology": "moving", "density": 4, "fill_ratio": 0.55},
-            schedule={"ticks": 200}, measure={"truth": truth},
-        )
-    )  # fmt: skip
+    world = {"topology": "moving", "density": 4, "fill_ratio": 0.55}
+    more = {"schedule": {"ticks": 200}, "measure": {"truth": truth}}
+    return sc.run(sc.Study(trials=6, seed=3, swarm=BASE["swarm"], world=world, **more))
 
 
 def only(results, **values):
@@ -64,8 +59,7 @@ def test_measured_figures_are_those_of_the_results(results):
 
 
 def test_lines_are_theorys(results):
-    number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
-    lines = sc.explain(results, number).theory
+    lines = sc.explain(results, only(results, brain="minimalistic", topology="ring", accuracy="0.8")).theory
     assert {*lines} == {ALONE, NEAR, MIXED, SWARM}
     ring = theory.mixing_matrix("ring", 12)
     for k, rounds in enumerate((5, 30, 30)):
@@ -116,8 +110,7 @@ def test_what_limits_a_swarm(results):
 def test_under_robots_that_move_the_floor_has_its_part():
     found = sc.explain(walk(), 0)
     assert {*found.theory} == {SWARM}
-    assert found.unit == "ticks"
-    assert [*found.terms] == ["sensors", "floor", "mixing"]
+    assert (found.unit, [*found.terms]) == ("ticks", ["sensors", "floor", "mixing"])
     assert found.terms["floor"] > 0.0
     assert {*found.absent} == {ALONE, NEAR, MIXED}
     assert sc.explain(walk("floor"), 0).terms["floor"] == 0.0
@@ -128,19 +121,16 @@ NOWHERE = {ALONE, NEAR, MIXED, SWARM}
 
 @pytest.mark.long(but=["changes1-absent1-sensors drift", "changes7-absent7-messages are lost"])
 @pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("changes", "absent", "why"),
-    [
-        ({"world": {"fill_ratio": {"from": 0.85, "to": 0.15, "at": 9}}}, NOWHERE, "the floor changes while robots obs"),
-        ({"swarm": {"accuracy": {"start": 0.8, "drift": -0.001}}}, NOWHERE, "sensors drift"),
-        ({"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, NOWHERE, "some robots lie"),
-        ({"faults": [{"at": 3, "robots": 2, "stop": "sensing"}]}, NOWHERE, "parts of robots fail"),
-        ({"swarm": {"brain": {"file": "sure", "within": 0.4}}}, NOWHERE, "some robots are done before the end"),
-        ({"swarm": {"accuracy": 0.5}}, NOWHERE, "b + w = 1: readings say nothing of the floor"),
-        ({"swarm": {"assumed_accuracy": 0.7}}, {ALONE, MIXED}, "robots are wrong about their sensors"),
-        ({"world": {"link_success": 0.5}}, {MIXED}, "messages are lost"),
-    ],
-)
+@pytest.mark.parametrize(("changes", "absent", "why"), [
+    ({"world": {"fill_ratio": {"from": 0.85, "to": 0.15, "at": 9}}}, NOWHERE, "the floor changes while robots obs"),
+    ({"swarm": {"accuracy": {"start": 0.8, "drift": -0.001}}}, NOWHERE, "sensors drift"),
+    ({"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, NOWHERE, "some robots lie"),
+    ({"faults": [{"at": 3, "robots": 2, "stop": "sensing"}]}, NOWHERE, "parts of robots fail"),
+    ({"swarm": {"brain": {"file": "sure", "within": 0.4}}}, NOWHERE, "some robots are done before the end"),
+    ({"swarm": {"accuracy": 0.5}}, NOWHERE, "b + w = 1: readings say nothing of the floor"),
+    ({"swarm": {"assumed_accuracy": 0.7}}, {ALONE, MIXED}, "robots are wrong about their sensors"),
+    ({"world": {"link_success": 0.5}}, {MIXED}, "messages are lost"),
+])  # fmt: skip
 @pytest.mark.filterwarnings("ignore:.*carries no information:UserWarning")
 def test_where_theory_does_not_hold_it_says_why(changes, absent, why):
     data = run(trials=6, **changes)
@@ -176,15 +166,12 @@ def file(results, tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--setting", "99"], "--setting 99: these results hold setting 0 to 7"),
-        (["--setting", "-1"], "should be a whole number from 0"),
-        (["--setting", "1", "--where", "robots == 12"], "--where does not go with --setting, which shows one setting"),
-        (["--where", "robots == 7"], "where"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"), [
+    (["--setting", "99"], "--setting 99: these results hold setting 0 to 7"),
+    (["--setting", "-1"], "should be a whole number from 0"),
+    (["--setting", "1", "--where", "robots == 12"], "--where does not go with --setting, which shows one setting"),
+    (["--where", "robots == 7"], "where"),
+])  # fmt: skip
 def test_a_setting_that_is_not_there_is_named(file, arguments, said, refused):
     assert said in refused("explain", file, *arguments)
 
@@ -198,8 +185,6 @@ def test_where_nobody_errs_nothing_limits(tmp_path, accepted):
 
 
 # ---- figures
-
-
 def theory_of(axes):
     return {str(line.get_label()): line for line in axes.lines if str(line.get_label()).startswith("theory")}
 
@@ -241,26 +226,15 @@ def test_curves_carry_middle_halves(results):
 
 
 # ---- what wrong beliefs cost: the closed form against the likelihood and the simulation, and the figure of both
-
-
 STUDY = """
 seed = 5
 trials = 12
-[swarm]
-robots = 20
-accuracy = [0.675, {black = 0.9, white = 0.7}]
-assumed_accuracy = [{error = -0.05}, {error = 0}, {error = 0.05}, {error = "N(0, 0.05)"}]
-[world]
-topology = ["ring", "moving"]
-density = 10
-fill_ratio = [0.55, 0.95]
-[schedule]
-rounds = 400
-ticks = 2000
+swarm.robots = 20
+swarm.accuracy = [0.675, {black = 0.9, white = 0.7}]
+swarm.assumed_accuracy = [{error = -0.05}, {error = 0}, {error = 0.05}, {error = "N(0, 0.05)"}]
+world = {topology = TOPOLOGY, fill_ratio = [0.55, 0.95]}
+schedule = {LENGTH}
 """
-
-
-# ---- the closed form
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -285,8 +259,7 @@ def test_asymptote_of_expected_readings():
     """A hundred readings, of which the very share that is expected says black, in the brain itself."""
     cases = [(0.8, 0.6, 0.7, 0.75, 0.5), (0.7, 0.7, 0.6, 0.6, 0.9), (0.9, 0.9, 0.3, 0.3, 0.4)]
     for b, w, assumed_b, assumed_w, f in cases:
-        black = round(100 * (b * f + (1 - w) * (1 - f)))
-        readings = (np.arange(100) < black).astype(float)[:, np.newaxis]
+        readings = (np.arange(100) < round(100 * (b * f + (1 - w) * (1 - f)))).astype(float)[:, np.newaxis]
         for brain in sorted(EQ_4):
             assumed = {"black": assumed_b, "white": assumed_w}
             trace = sc.infer(readings, None, assumed, brain=brain, observations_per_round=100)
@@ -294,20 +267,15 @@ def test_asymptote_of_expected_readings():
             assert trace["estimate"].values[-1, 0] == pytest.approx(predicted, abs=1e-12)
 
 
-# ---- the simulation
-
-
 @pytest.mark.long(but=["full"])
-@pytest.mark.parametrize("topology", ["full", '"moving"\ndensity = 10'])
+@pytest.mark.parametrize("topology", ['"full"', '"moving", density = 10'], ids=["full", "moving"])
 def test_swarms_go_where_the_closed_form_says(topology):
     """The mean final estimate, within 4.5 standard errors over trials: 12 settings fail together once in 10^4.
 
-    Only where nothing is cut is the estimate's mean its limit. The estimator's own bias is of the order of
-    1 / observations and is allowed for by 5e-4.
+    Only where nothing is cut is the estimate's mean its limit; 5e-4 are for a bias of the order of 1 / observations.
     """
-    world = topology if "\n" in topology else f'"{topology}"'
-    text = STUDY.replace('["ring", "moving"]\ndensity = 10', world).replace("trials = 12", "trials = 40")
-    text = text.replace("rounds = 400\n" if "moving" in topology else "ticks = 2000\n", "")
+    length = "rounds = 400" if topology == '"full"' else "ticks = 2000"
+    text = STUDY.replace("TOPOLOGY", topology).replace("LENGTH", length).replace("trials = 12", "trials = 40")
     text = text.replace('{error = 0}, {error = 0.05}, {error = "N(0, 0.05)"}', "{error = 0}, {error = 0.05}")
     data = sc.run(sc.Study.parse(text.replace("0.95]", "0.4]")), jobs=2)
     sides = {"0.675": (0.675, 0.675), "black=0.9 white=0.7": (0.9, 0.7)}
@@ -320,15 +288,12 @@ def test_swarms_go_where_the_closed_form_says(topology):
 
 
 def test_assumed_accuracies_are_clipped_to_0_and_1():
-    text = STUDY.replace('"moving"', '"full"').replace("density = 10", "").replace("trials = 12", "trials = 1")
-    text = text.replace("ticks = 2000\n", "")
-    accuracy = "accuracy = [0.675, {black = 0.9, white = 0.7}]"
-    assumed = re.search(r"assumed_accuracy = .*", text)[0]
-    assert accuracy in text
+    text = STUDY.replace("TOPOLOGY", '["ring", "full"]').replace("LENGTH", "rounds = 400").replace("= 12", "= 1")
+    accuracy, assumed = (re.search(rf"swarm.{name} = .*", text)[0] for name in ("accuracy", "assumed_accuracy"))
 
     def told(accuracies, beliefs_):
-        changed = text.replace(accuracy, f"accuracy = {accuracies}").replace(assumed, f"assumed_accuracy = {beliefs_}")
-        return costs(sc.run(sc.Study.parse(changed)))
+        changed = text.replace(accuracy, f"swarm.accuracy = {accuracies}")
+        return costs(sc.run(sc.Study.parse(changed.replace(assumed, f"swarm.assumed_accuracy = {beliefs_}"))))
 
     assert {c.error for c in told("0.7", "[0.6, 0.7, {black = 0.8, white = 0.8}]")} == {-0.1, 0.0, 0.1}
     for cost in told("{black = 0.9, white = 0.7}", "{error = 0.2}"):
