@@ -7,6 +7,7 @@ two scans backwards. Trials are a dimension. Random numbers are JAX's own.
 import functools
 import importlib.util
 import math
+import os
 import time
 
 import numpy as np
@@ -16,6 +17,7 @@ def seconds_in_jax(study):
     """The least seconds of three runs of a study's only setting; None without JAX."""
     if importlib.util.find_spec("jax") is None:
         return None
+    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")  # else JAX takes most of a card's memory
     (setting,) = study.settings()
     shape = study.trials, setting.robots
     return min(swarm(setting, shape, seed)[1] for seed in range(4))  # the first compiles

@@ -120,6 +120,8 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
     assert "not installed: pip install 'swarmcensus[film]'" in printed
     assert "swarmcensus-of-bees: not installed: pip install swarmcensus" in printed
     assert "no compiled code can be stored there, every run compiles: set $SWARMCENSUS_CACHE to another" in printed
+    monkeypatch.setattr("importlib.metadata.distributions", lambda **_: [])  # as in a checkout that is not installed
+    assert main(["doctor"]) == 2
 
 
 def test_new_files_overwrite_nothing(here, refused):
