@@ -182,8 +182,7 @@ def compare(card, studies):
             except sc.InputError as error:
                 found = [str(error)]
             same += not found
-            if found:
-                print(f"{study.swarm.brain[0].name}, seed {study.seed}: {'; '.join(found[:5])}", flush=True)
+            print(f"{study.swarm.brain[0].name}, seed {study.seed}: {'; '.join(found[:5]) or 'same'}", flush=True)
     took = time.perf_counter() - begun
     print(f"{card.name}: {same} of {len(studies) + 1} studies have every bit of the CPU, in {took:.0f} s")
 
