@@ -170,7 +170,7 @@ def row_of(timed, study, in_jax, times):
 def compare(card, studies):
     """Compare studies bit by bit; those of brains with exp, log or lgamma may differ in a few places."""
     begun, same, plain = time.perf_counter(), 0, {name: getattr(cards, name) for name in WIDE}
-    wide = networks("commons", cards.PIECE + 616, "full", rounds=70)
+    wide = networks("commons", cards.PIECE + 616, rounds=70).with_(checkpoints=[1, 70], topology=["ring", "full"])
     for way, some in ((plain, [wide, *studies[::2]]), (WIDE, studies[1::2])):
         vars(cards).update(way)
         ways = [(study, local) for study in some for local in {False, study.measure.local}]
