@@ -7,35 +7,32 @@ two scans backwards. Trials are a dimension. Random numbers are JAX's own.
 import functools
 import importlib.util
 import math
+import os
 import time
-
-import numpy as np
 
 
 def seconds_in_jax(study):
     """The least seconds of three runs of a study's only setting; None without JAX."""
     if importlib.util.find_spec("jax") is None:
         return None
-    (setting,) = study.settings()
-    shape = study.trials, setting.robots
-    return min(swarm(setting, shape, seed)[1] for seed in range(4))  # the first compiles
-
-
-def swarm(setting, shape, seed):
-    """K and the final estimates of robots (trial, robot), and the seconds that took."""
+    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")  # else JAX takes most of a card's memory
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    run = program(setting.topology.name, shape, setting.rounds, setting.observations_per_round,
+    (setting,) = study.settings()
+    run = program(setting.topology.name, (study.trials, setting.robots), setting.rounds, setting.observations_per_round,
                   float(str(setting.accuracy)), setting.fill_ratio)  # fmt: skip
-    begun = time.perf_counter()
-    found = jax.block_until_ready(run(jax.random.key(seed)))
-    return [np.asarray(array) for array in found], time.perf_counter() - begun
+    seconds = []
+    for seed in range(4):  # the first compiles
+        begun = time.perf_counter()
+        jax.block_until_ready(run(jax.random.key(seed)))
+        seconds.append(time.perf_counter() - begun)
+    return min(seconds)
 
 
 @functools.cache
 def program(topology, shape, rounds, looks, accuracy, fill_ratio):
-    """A compiled function of a key."""
+    """A compiled function of a key, which gives K and the final estimates of robots, (trial, robot)."""
     import jax
     import jax.numpy as jnp
 

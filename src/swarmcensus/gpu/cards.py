@@ -24,7 +24,7 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.translation import owed_numbers
 
 MOST_IN_A_BLOCK = 1024  # threads, and so robots of a trial that one block can run
-FEW_WORDS = 40  # of a state that threads keep in registers, if so many run in a block; larger ones are spilled
+FEW_WORDS = 36  # of a state that threads keep in registers, if so many run in a block; larger ones are spilled
 THREADS = 128  # of a block that runs several small trials, or robots or rows one by one
 BLOCK_SIZE = 256  # robots of a block of a large swarm, whose messages are added up together (kernels/sums.h)
 SHARED = 227 * 1024  # bytes of shared memory that a block may take, where the card has them (Hopper)

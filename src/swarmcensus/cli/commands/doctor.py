@@ -80,19 +80,19 @@ def _cache() -> dict[str, Any]:
 
 def _extras() -> dict[str, bool]:
     """Whether what each extra of swarmcensus needs is installed, in a version that it takes."""
-    from importlib.metadata import metadata
+    from importlib.metadata import distributions
 
     from packaging.requirements import Requirement
 
-    about = metadata("swarmcensus")
-    every = [Requirement(text) for text in about.get_all("Requires-Dist") or ()]
+    found = [*distributions(name="swarmcensus")][:1]  # none where a checkout is used as it is
+    every = [Requirement(text) for one in found for text in one.requires or ()]
 
     def installed(extra: str) -> bool:
         needed = [one for one in every if one.marker and one.marker.evaluate({"extra": extra})]
         fits = (bool(v := _version(one.name)) and one.specifier.contains(v, True) for one in needed)
         return all(fits) and all(installed(name) for one in needed for name in one.extras if one.name == "swarmcensus")
 
-    return {extra: installed(extra) for extra in about.get_all("Provides-Extra") or ()}
+    return {extra: installed(extra) for one in found for extra in one.metadata.get_all("Provides-Extra") or ()}
 
 
 def _version(name: str) -> str:
