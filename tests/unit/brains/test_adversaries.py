@@ -47,25 +47,20 @@ def test_estimates_stay_numbers_among_shouters_that_exaggerate_without_end(name)
 
 
 # ---- by hand, as CPython runs them
-
-
-@pytest.mark.parametrize(
-    ("name", "given", "told"),
-    [
-        ("always-black", {}, lambda x, alpha: (1.0, alpha)),
-        ("always-white", {}, lambda x, alpha: (0.0, alpha)),
-        ("opposite", {}, lambda x, alpha: (1.0 - x, alpha)),
-        ("shouter", {}, lambda x, alpha: (0.0 if x >= 0.5 else 1.0, 1000.0 * (alpha + 1.0))),
-        ("shouter", {"loud": 3.0}, lambda x, alpha: (0.0 if x >= 0.5 else 1.0, 3.0 * (alpha + 1.0))),
-        ("forger", {"value": 0.25}, lambda x, alpha: (0.25, alpha)),
-        ("jammer", {}, lambda x, alpha: (x, alpha)),
-        ("random", {}, lambda x, alpha: (x, alpha)),  # before the first toss
-        ("noisy-mirror", {}, lambda x, alpha: (x, alpha)),  # it has heard nothing
-        ("slow-liar", {}, lambda x, alpha: (x, alpha)),  # not yet
-        ("creeper", {}, lambda x, alpha: (min(x + 0.01, 1.0), alpha)),
-        ("creeper", {"step": 0.25, "goal": 0.5}, lambda x, alpha: (x + min(max(0.5 - x, -0.25), 0.25), alpha)),
-    ],
-)
+@pytest.mark.parametrize(("name", "given", "told"), [
+    ("always-black", {}, lambda x, alpha: (1.0, alpha)),
+    ("always-white", {}, lambda x, alpha: (0.0, alpha)),
+    ("opposite", {}, lambda x, alpha: (1.0 - x, alpha)),
+    ("shouter", {}, lambda x, alpha: (0.0 if x >= 0.5 else 1.0, 1000.0 * (alpha + 1.0))),
+    ("shouter", {"loud": 3.0}, lambda x, alpha: (0.0 if x >= 0.5 else 1.0, 3.0 * (alpha + 1.0))),
+    ("forger", {"value": 0.25}, lambda x, alpha: (0.25, alpha)),
+    ("jammer", {}, lambda x, alpha: (x, alpha)),
+    ("random", {}, lambda x, alpha: (x, alpha)),  # before the first toss
+    ("noisy-mirror", {}, lambda x, alpha: (x, alpha)),  # it has heard nothing
+    ("slow-liar", {}, lambda x, alpha: (x, alpha)),  # not yet
+    ("creeper", {}, lambda x, alpha: (min(x + 0.01, 1.0), alpha)),
+    ("creeper", {"step": 0.25, "goal": 0.5}, lambda x, alpha: (x + min(max(0.5 - x, -0.25), 0.25), alpha)),
+])  # fmt: skip
 @pytest.mark.parametrize("blacks", [0, 3, 7, 10])
 def test_what_is_said_in_the_first_round(name, given, told, blacks):
     """Estimate and confidence by the formulas: x = (n/t + w - 1)/(b + w - 1), alpha = q t^3 / (n (t - n))."""
@@ -152,24 +147,19 @@ def test_each_field_is_lied_about_by_what_it_means():
 
 
 # ---- one source of two
-
-
-@pytest.mark.parametrize(
-    ("source", "said"),
-    [
-        ("def boast(me, c):\n    return c\n", "the function lie is missing"),
-        ("def lie(me):\n    return 1.0\n", "lie: the number of its arguments should be 2, not 1"),
-        ("def lie(me, x):\n    me.y = 1.0\n    return x\n", "line 2: lie uses me.y"),
-        ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is new only in hear and plot"),
-        ("def lie(me, x):\n    return x\n\n\ndef jam(me):\n    pass\n", "jam may end without returning anything"),
-        ("def lie(me, x):\n    return x\n\n\ndef boasts(me, c):\n    return c\n", "did you mean 'boast'?"),
-        ('MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x', "MESSAGE belongs to the brain that the adversary"),
-        ('PARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    me.p = 2.0\n    return x\n', "lie sets me.p: parameters"),
-        ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
-        ("def lie(me, x):\n    pow = eval\n    return pow(x, 2)", "line 2: lie uses eval: an adversary may call its"),
-        ("def lie(me, x):\n    return lie(me, x)\n", "line 2: lie calls itself: functions of an adversary may not"),
-    ],
-)
+@pytest.mark.parametrize(("source", "said"), [
+    ("def boast(me, c):\n    return c\n", "the function lie is missing"),
+    ("def lie(me):\n    return 1.0\n", "lie: the number of its arguments should be 2, not 1"),
+    ("def lie(me, x):\n    me.y = 1.0\n    return x\n", "line 2: lie uses me.y"),
+    ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is new only in hear and plot"),
+    ("def lie(me, x):\n    return x\n\n\ndef jam(me):\n    pass\n", "jam may end without returning anything"),
+    ("def lie(me, x):\n    return x\n\n\ndef boasts(me, c):\n    return c\n", "did you mean 'boast'?"),
+    ('MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x', "MESSAGE belongs to the brain that the adversary"),
+    ('PARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    me.p = 2.0\n    return x\n', "lie sets me.p: parameters"),
+    ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
+    ("def lie(me, x):\n    pow = eval\n    return pow(x, 2)", "line 2: lie uses eval: an adversary may call its"),
+    ("def lie(me, x):\n    return lie(me, x)\n", "line 2: lie calls itself: functions of an adversary may not"),
+])  # fmt: skip
 def test_what_is_no_adversary_is_refused(source, said):
     with pytest.raises(InputError, match=r"^adversary file liar\.py") as error:
         adversary_of(source)
@@ -177,8 +167,6 @@ def test_what_is_no_adversary_is_refused(source, said):
 
 
 # ---- names of one, that the other, Python or what is written between them has too
-
-
 @pytest.mark.parametrize("name", [*HELPERS, "tell"])
 def test_a_helper_may_be_called_as_a_written_function_is(name):
     """3 of 4 are black, and a quarter is told of 0.75, of a vote for 1, and of the last of four bins, 0.875."""
@@ -190,16 +178,12 @@ def test_a_helper_may_be_called_as_a_written_function_is(name):
     assert belief[0] == pytest.approx(1.0 - 1e-6)  # of a belief that is even
 
 
-@pytest.mark.parametrize(
-    ("own", "use", "lie", "told"),
-    [
-        ("def abs(x):\n    return 0.125\n", "abs(1.0)", "abs(x - 1.0)", 0.25),
-        ("from math import floor as int\n", "int(-0.5)", "0.5 + 0.25 * int(x - 1.0)", 0.5),
-        ("from math import pow\n", "pow(2, 70)", "pow(2, 70) % 2 + (pow(2, 70) + 1) % 2 * 0.5", 0.5),
-        ("math = 0.25\n", "math", "math.sqrt(0.25) * x", 0.375),
-    ],
-    ids=["abs", "int", "pow", "math"],
-)
+@pytest.mark.parametrize(("own", "use", "lie", "told"), [
+    ("def abs(x):\n    return 0.125\n", "abs(1.0)", "abs(x - 1.0)", 0.25),
+    ("from math import floor as int\n", "int(-0.5)", "0.5 + 0.25 * int(x - 1.0)", 0.5),
+    ("from math import pow\n", "pow(2, 70)", "pow(2, 70) % 2 + (pow(2, 70) + 1) % 2 * 0.5", 0.5),
+    ("math = 0.25\n", "math", "math.sqrt(0.25) * x", 0.375),
+], ids=["abs", "int", "pow", "math"])  # fmt: skip
 def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
     """3 of 4 are black: 0.75, of which Python's function is told; the brain goes on using its own."""
     fuse = "def fuse(me):\n    "
@@ -308,8 +292,6 @@ def test_nobody_wears_an_oracle(capsys):
 
 
 # ---- held against the suite, the engine and brute force
-
-
 @pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @pytest.mark.parametrize("name", NAMES)
@@ -343,13 +325,10 @@ def test_who_hears_a_jammer_hears_nothing(topology, often, delay):
 
 
 @pytest.mark.long(but_every=2)
-@pytest.mark.parametrize(
-    ("name", "rich"),
-    [
-        ("jammer", False),
-        *(pytest.param(name, True, marks=pytest.mark.interpreted) for name in ("jammer", "slow-liar", "noisy-mirror")),
-    ],
-)
+@pytest.mark.parametrize(("name", "rich"), [
+    ("jammer", False),
+    *(pytest.param(name, True, marks=pytest.mark.interpreted) for name in ("jammer", "slow-liar", "noisy-mirror")),
+])  # fmt: skip
 def test_on_the_move(name, rich):
     setting = moving(
         brain(RICH) if rich else "minimalistic", robots=7, ticks=25, members=liars(name), link_success=0.7,

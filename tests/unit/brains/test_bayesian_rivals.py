@@ -259,8 +259,6 @@ class TestBeliefSharing:
 
 
 # ---- bayes-bots and changing-floor, rule by rule
-
-
 @pytest.mark.interpreted
 def test_an_observation_is_sent_until_the_next_is_due():
     me, functions = robot(BAYES, every=2.0, name=3.0)

@@ -149,8 +149,6 @@ def test_the_surest_are_copied_and_equals_averaged():
 
 
 # ---- linear consensus, W-MSR and the gated mean: against their equations in NumPy, against liars, and in fixed memory
-
-
 LINEAR, WMSR, GATED = (brains.load(name) for name in ("linear-consensus", "w-msr", "gated-mean"))
 ALL = [LINEAR, WMSR, GATED]
 each = pytest.mark.parametrize("used", ALL, ids=lambda used: used.name)

@@ -114,8 +114,6 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(expected, truth, fill):
 
 
 # ---- tracking: by hand, by brute force, against commons on floors that stay, and in swarms whose floor changes
-
-
 TRACKING = brains.load("tracking")
 TRACK = TRACKING.functions
 BOTH = ["commons", "tracking"]
@@ -185,8 +183,6 @@ def test_after_a_change_it_is_right_within_few_rounds():
 
 
 # ---- the trained net: its equations by hand, its weights as its training left them, and what they are worth
-
-
 NET = brains.load("recurrent")
 STUDIES = ROOT / "studies" / "rivals"
 

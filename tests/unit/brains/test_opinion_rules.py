@@ -77,11 +77,10 @@ def test_a_cycle_knows_nothing_of_the_readings_before(name, number):
     assert me.opinion == own
 
 
-@pytest.mark.parametrize(
-    ("own", "others", "adopted"),
-    [(1, [], 1), (1, [0], 1), (1, [0, 0], 0), (0, [1, 1, 0], 0), (0, [1, 1, 1, 0], 1), (0, [1, 1, 0, 0], 0),
-     (1, [0, 0, 1, 1], 1), (1, [0, 0, 0, 0, 0, 0], 0)],
-)  # fmt: skip
+@pytest.mark.parametrize(("own", "others", "adopted"), [
+    (1, [], 1), (1, [0], 1), (1, [0, 0], 0), (0, [1, 1, 0], 0), (0, [1, 1, 1, 0], 1), (0, [1, 1, 0, 0], 0),
+    (1, [0, 0, 1, 1], 1), (1, [0, 0, 0, 0, 0, 0], 0),
+])  # fmt: skip
 def test_the_majority_is_of_the_kept_and_oneself(own, others, adopted):
     me, rule = telling("majority", number=1 - own, senders=4.0)
     said = [(float(opinion), 10.0 + k) for k, opinion in enumerate(others)]
@@ -117,14 +116,11 @@ def test_direct_comparison_adopts_what_is_better():
 NONE = 0.5
 
 
-@pytest.mark.parametrize(
-    ("name", "own", "heard", "adopted"),
-    [
-        *(("cross-inhibition", *row) for row in ((1, 0, NONE), (0, 1, NONE), (1, 1, 1), (0, 0, 0), (1, None, 1))),
-        *(("cross-inhibition", NONE, heard, adopted) for heard, adopted in ((1, 1), (0, 0), (None, NONE))),
-        *(("direct-switching", *row) for row in ((1, 0, 0), (0, 1, 1), (1, 1, 1), (0, 0, 0), (1, None, 1))),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "own", "heard", "adopted"), [
+    *(("cross-inhibition", *row) for row in ((1, 0, NONE), (0, 1, NONE), (1, 1, 1), (0, 0, 0), (1, None, 1))),
+    *(("cross-inhibition", NONE, heard, adopted) for heard, adopted in ((1, 1), (0, 0), (None, NONE))),
+    *(("direct-switching", *row) for row in ((1, 0, 0), (0, 1, 1), (1, 1, 1), (0, 0, 0), (1, None, 1))),
+])  # fmt: skip
 def test_what_becomes_of_an_opinion(name, own, heard, adopted):
     me, rule = telling(name, miscommunication=0.0, asocial=0.0)
     me.opinion = float(own)
@@ -153,8 +149,6 @@ def test_only_the_last_rounds_are_listened_to(name):
 
 
 # ---- three-valued opinions and their Boolean baseline by hand: beliefs, dances, listening
-
-
 def test_beliefs_are_joined_as_published():
     """All nine pairs, by a second way: as intervals of what may be true."""
     _, rule = robot("three-state")

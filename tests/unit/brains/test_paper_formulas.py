@@ -45,20 +45,17 @@ def likelihood(f, t, n, b, w):
     return sum(parts, Decimal(0))
 
 
-@pytest.mark.parametrize(
-    ("t", "n", "b", "w", "expected"),
-    [
-        (10, 4, 1.0, 1.0, 0.4),  # perfect sensors: n / t
-        (10, 5, 0.8, 0.6, (0.5 + 0.6 - 1) / (0.8 + 0.6 - 1)),  # Eq. 4, second case
-        (10, 3, 0.8, 0.6, 0.0),  # n <= (1 - w) t
-        (10, 9, 0.8, 0.6, 1.0),  # n >= b t
-        (10, 4, 0.8, 0.6, 0.0),  # at the lower end itself
-        (10, 8, 0.8, 0.6, 1.0),  # at the upper end itself
-        (10, 3, 0.2, 0.4, (0.3 + 0.4 - 1) / (0.2 + 0.4 - 1)),  # a liar, ends exchanged
-        (10, 1, 0.2, 0.4, 1.0),
-        (10, 7, 0.2, 0.4, 0.0),
-    ],
-)
+@pytest.mark.parametrize(("t", "n", "b", "w", "expected"), [
+    (10, 4, 1.0, 1.0, 0.4),  # perfect sensors: n / t
+    (10, 5, 0.8, 0.6, (0.5 + 0.6 - 1) / (0.8 + 0.6 - 1)),  # Eq. 4, second case
+    (10, 3, 0.8, 0.6, 0.0),  # n <= (1 - w) t
+    (10, 9, 0.8, 0.6, 1.0),  # n >= b t
+    (10, 4, 0.8, 0.6, 0.0),  # at the lower end itself
+    (10, 8, 0.8, 0.6, 1.0),  # at the upper end itself
+    (10, 3, 0.2, 0.4, (0.3 + 0.4 - 1) / (0.2 + 0.4 - 1)),  # a liar, ends exchanged
+    (10, 1, 0.2, 0.4, 1.0),
+    (10, 7, 0.2, 0.4, 0.0),
+])  # fmt: skip
 def test_paper_by_hand(t, n, b, w, expected):
     assert looked(t, n, b, w).x_hat == pytest.approx(expected, abs=1e-14)
 
@@ -134,8 +131,6 @@ def test_without_neighbours_the_last_social_value_stays(brain):
 
 
 # ---- commons and swift: against matrices in NumPy, consistent whatever is lost, old, moved or broken
-
-
 COMMONS, SWIFT = (brains.load(name).functions for name in ("commons", "swift"))
 FAILING = [{"at": 40, "robots": 0.3, "stop": ["sensing", "talking"]}, {"at": 90, "robots": 3, "stop": "talking"}]
 PATH = np.eye(4) + np.diag([1.0] * 3, 1) + np.diag([1.0] * 3, -1)  # who is heard, the robot itself among them
@@ -176,16 +171,12 @@ def test_commons_is_a_matrix_of_means_that_mixes_both_sums():
 
 
 @pytest.mark.long(only=["losses"])
-@pytest.mark.parametrize(
-    "given",
-    [
-        {"link_success": 0.1},
-        {"topology": "scale-free", "link_success": 0.5, "accuracy": "U(0.55, 0.95)"},
-        {"faults": FAILING},
-        {"ticks": 1000, "density": 3, "body": {"message_delay": 4, "tile": 0.01}, "link_success": 0.5},
-    ],
-    ids=["losses", "unequal", "failing", "moving and late"],
-)
+@pytest.mark.parametrize("given", [
+    {"link_success": 0.1},
+    {"topology": "scale-free", "link_success": 0.5, "accuracy": "U(0.55, 0.95)"},
+    {"faults": FAILING},
+    {"ticks": 1000, "density": 3, "body": {"message_delay": 4, "tile": 0.01}, "link_success": 0.5},
+], ids=["losses", "unequal", "failing", "moving and late"])  # fmt: skip
 def test_the_ratio_has_no_bias_whatever_becomes_of_messages(given):
     """The mean over trials is f within its standard error, 4 of them: fails by 6 in 100,000."""
     found = sc.run(study_of("commons", **{"robots": 12, "rounds": 200, "looks": 5, "trials": 60, "seed": 5} | given))

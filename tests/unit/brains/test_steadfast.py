@@ -33,10 +33,9 @@ def voice(x, v, own=None, own_v=None, near=None):
 
 
 @pytest.mark.parametrize("noise", [0.1, 0.5])
-@pytest.mark.parametrize(
-    ("errors", "share"),
-    [(0.3, 1.0), (-0.3, 1.0), (1.4, 0.25), (-1.4, 0.25), (2.8, 0.125 * 0.7), (3.6, 0.0), (-3.6, 0.0)],
-)
+@pytest.mark.parametrize(("errors", "share"), [
+    (0.3, 1.0), (-0.3, 1.0), (1.4, 0.25), (-1.4, 0.25), (2.8, 0.125 * 0.7), (3.6, 0.0), (-3.6, 0.0)
+])  # fmt: skip
 def test_readings_far_from_r_count_less_and_so_do_their_sums(errors, share, noise):
     me = robot(0.2)
     me.noise = noise
@@ -183,7 +182,6 @@ def test_no_lies_hold_r_far_from_own_readings(messages, varies):
 
 
 # ---- over trials
-
 CREEPER = {"file": "creeper", "step": 0.02}
 LIARS = {
     "creeper": CREEPER,

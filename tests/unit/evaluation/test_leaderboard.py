@@ -186,17 +186,14 @@ def test_leaderboard_command_shows_ranks_and_losses(small, accepted, benchmark):
         assert words[2:4] == [f"{row[name]:.4f}" for name in ("final_error", "error_90")]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["nobody.py"], "nobody.py"),
-        (["shipped.py"], "rename the file"),
-        (["mine.py", "a/mine.py"], "another brain mine: rename"),
-        (["bad.py"], "MESSAGE is missing"),
-        (["legacy"], "another brain legacy: rename"),
-        (["mine.py", "--group", "honst"], "did you mean 'honest'? there are honest, "),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"), [
+    (["nobody.py"], "nobody.py"),
+    (["shipped.py"], "rename the file"),
+    (["mine.py", "a/mine.py"], "another brain mine: rename"),
+    (["bad.py"], "MESSAGE is missing"),
+    (["legacy"], "another brain legacy: rename"),
+    (["mine.py", "--group", "honst"], "did you mean 'honest'? there are honest, "),
+])  # fmt: skip
 def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, said):
     (small / "bad.py").write_text('MEMORY = {"x": 0.5}\n')
     (small / "a").mkdir()

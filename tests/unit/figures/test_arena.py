@@ -65,8 +65,6 @@ def trace(results):
 
 
 # ---- floors
-
-
 @pytest.mark.parametrize("body", ["", BODY])
 def test_floors_have_the_colours_that_robots_saw(body):
     study = sc.Study.parse(STUDY.replace("[schedule]", body + "[schedule]"))
@@ -88,8 +86,6 @@ def test_floors_have_the_colours_that_robots_saw(body):
 
 
 # ---- snapshots
-
-
 @pytest.fixture(scope="module")
 def arena(trace):
     return Arena(trace, robot=3)
@@ -223,7 +219,6 @@ def test_a_network_is_drawn_as_on_the_live_page(results, tmp_path: Path):
 
 
 # ---- robots that fail
-
 WRITTEN = ("png", "svg", "caption.txt")
 FAULTS = """
 faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = ["sensing", "talking"]}]
@@ -301,8 +296,6 @@ def test_the_key_names_the_parts_that_fail_and_no_others(trace, tmp_path: Path):
 
 
 # ---- films
-
-
 def test_a_film_has_its_frames_and_they_are_snapshots(trace, tmp_path: Path):
     path, told = tmp_path / "x.gif", []
     assert film(trace, out=path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
@@ -371,8 +364,6 @@ def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatc
 
 
 # ---- the command line
-
-
 @pytest.mark.long
 def test_arena_and_film_from_the_command_line(file, here, accepted):
     drawn = accepted("plot", file, "--kind", "arena", "--tick", "12", "--robot", "0").out
@@ -390,20 +381,17 @@ def test_arena_and_film_from_the_command_line(file, here, accepted):
     assert {p.name for p in here.iterdir()} == {*("x.gif", "x.gif.caption.txt", "x.pdf", "x.pdf.caption.txt")}
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ("arena --setting 99", "--setting 99: these results hold setting"),
-        ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
-        ("arena --first 3", "--kind arena has no key first: it has "),
-        ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
-        ("film --out file/x.gif", "cannot write file/x.gif"),
-        ("film --brain-file none.py", "there is no such file"),
-        ("film --robot 9", "--robot 9: the robots are numbered 0 to "),
-        ("film --fps 500", "should be 1 to 240 frames a second"),
-        ("film", "pip install 'imageio-ffmpeg"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    ("arena --setting 99", "--setting 99: these results hold setting"),
+    ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
+    ("arena --first 3", "--kind arena has no key first: it has "),
+    ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
+    ("film --out file/x.gif", "cannot write file/x.gif"),
+    ("film --brain-file none.py", "there is no such file"),
+    ("film --robot 9", "--robot 9: the robots are numbered 0 to "),
+    ("film --fps 500", "should be 1 to 240 frames a second"),
+    ("film", "pip install 'imageio-ffmpeg"),
+])  # fmt: skip
 def test_wrong_trials_and_options_are_refused(options, said, file, here, refused, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     (here / "file").touch()

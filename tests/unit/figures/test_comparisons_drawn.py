@@ -26,8 +26,6 @@ def test_profiles_have_no_band_at_0_and_one_for_equal_lines():
 
 
 # ---- differences
-
-
 def test_differences_are_those_of_the_pairs_of_a_comparison():
     results = made_up(brains=3, gap=0.3)
     figure = sc.plot.compare(results, metric="final_error")
@@ -57,17 +55,14 @@ def test_an_axis_of_differences_says_where_it_is_logarithmic():
     assert {0.0, bend} <= {*ax.get_xticks().round(9)}
 
 
-@pytest.mark.parametrize(
-    ("kind", "options"),
-    [
-        ("compare", {"metric": "convergence_round"}),
-        ("lines", {"y": "convergence_round", "x": "topology"}),
-        ("lines", {"y": "convergence_error", "x": "topology"}),
-        ("pareto", {"metric": "convergence_round"}),
-        ("ranks", {"metric": "convergence_round"}),
-        ("scatter", {"color": "brain"}),
-    ],
-)
+@pytest.mark.parametrize(("kind", "options"), [
+    ("compare", {"metric": "convergence_round"}),
+    ("lines", {"y": "convergence_round", "x": "topology"}),
+    ("lines", {"y": "convergence_error", "x": "topology"}),
+    ("pareto", {"metric": "convergence_round"}),
+    ("ranks", {"metric": "convergence_round"}),
+    ("scatter", {"color": "brain"}),
+])  # fmt: skip
 def test_robots_that_never_learnt_do_not_settle_first(kind, options):
     results = made_up(brains=4)
     results["convergence_round"].values[[3, 7]] = 0  # voter
@@ -126,8 +121,6 @@ def test_ranks_of_many_brains_fit_a_slide_or_say_what_would():
 
 
 # ---- figures against the number of liars, and of coordinates that follow from the axes
-
-
 CHANGES = [{"from": 0.9, "to": 0.55, "at": 5}, {"from": 0.6, "to": 0.15, "at": 5}]
 
 

@@ -34,8 +34,6 @@ def luminance(colour: str) -> float:
 
 
 # ---- looks
-
-
 def test_looks_of_accuracies():
     looks = looks_of(["U(0.5,0.9)", "0.975", "0.6", "0.525", "N(0.75,0.1)", "black=0.9 white=0.6"], "o")
     assert list(looks) == ["0.525", "0.6", "0.975", "N(0.75,0.1)", "U(0.5,0.9)", "black=0.9 white=0.6"]
@@ -100,8 +98,6 @@ def test_no_two_of_many_brains_look_alike():
 
 
 # ---- scatter
-
-
 @pytest.mark.parametrize(("local", "x", "y", "last"), [
     (False, "convergence_round", "convergence_error", 1000),
     (True, "local_convergence_step", "local_convergence_error", 10_000),
@@ -216,8 +212,6 @@ def test_empty_panel_is_left_out_with_a_note():
 
 
 # ---- decisions
-
-
 def test_decisions_are_percentages_over_all_robots_and_trials():
     few, many = study(["0.6"], robots=8, trials=4), study(["0.6"], robots=24, trials=4, seed=1)
     both = xr.concat([few[["correct"]], many[["correct"]]], "setting")
@@ -262,8 +256,6 @@ def test_a_thin_line_is_the_interval_over_trials():
 
 
 # ---- curves
-
-
 def trace(robots: int, rounds: int = 50, **attrs) -> xr.Dataset:
     noise = np.random.default_rng(0).normal(0, 0.2, (rounds + 1, robots)) / (np.arange(rounds + 1) + 1)[:, None]
     x = np.clip(0.55 + noise, 0, 1)
@@ -294,8 +286,6 @@ def test_the_shaded_bin_holds_the_truth(truth, bottom, top):
 
 
 # ---- heatmap
-
-
 def grid_study(**coordinates) -> xr.Dataset:
     parts = [
         study(["0.6", "0.9", "U(0.5,0.9)"], seed=i, fill_ratio=f, **coordinates) for i, f in enumerate((0.55, 0.95))
@@ -376,23 +366,18 @@ def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
 
 
 # ---- panels
-
-
-@pytest.mark.parametrize(
-    ("varied", "captions"),
-    [
-        ([{"assumed_accuracy": "error=-0.09999999999999998"}, {"assumed_accuracy": "error=0.05"}],
-         ["assumed accuracy error=-0.1", "assumed accuracy error=0.05"]),
-        ([{"fill_ratio": f, "link_success": s} for f in (0.12345671, 0.12345672) for s in (0.9999999, 1.0)],
-         ["f = 0.12345671, link success 0.9999999", "f = 0.12345671, link success 1",
-          "f = 0.12345672, link success 0.9999999", "f = 0.12345672, link success 1"]),
-        ([{"weather": "dry"}, {"weather": "dry", "topology": "moving", "density": 10.0}, {"weather": "rain"}],
-         ["ring, weather = dry", "moving, D = 10, weather = dry", "ring, weather = rain"]),
-        ([{"topology": t, "fill_ratio": f, "robots": n} for t in ("ring", "full") for f, n in ((0.5, 8), (0.9, 1000))],
-         ["ring, N = 8, f = 0.5", "ring, N = 1,000, f = 0.9", "full, N = 8, f = 0.5", "full, N = 1,000, f = 0.9"]),
-        ([{}], [""]),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("varied", "captions"), [
+    ([{"assumed_accuracy": "error=-0.09999999999999998"}, {"assumed_accuracy": "error=0.05"}],
+    ["assumed accuracy error=-0.1", "assumed accuracy error=0.05"]),
+    ([{"fill_ratio": f, "link_success": s} for f in (0.12345671, 0.12345672) for s in (0.9999999, 1.0)],
+    ["f = 0.12345671, link success 0.9999999", "f = 0.12345671, link success 1",
+    "f = 0.12345672, link success 0.9999999", "f = 0.12345672, link success 1"]),
+    ([{"weather": "dry"}, {"weather": "dry", "topology": "moving", "density": 10.0}, {"weather": "rain"}],
+    ["ring, weather = dry", "moving, D = 10, weather = dry", "ring, weather = rain"]),
+    ([{"topology": t, "fill_ratio": f, "robots": n} for t in ("ring", "full") for f, n in ((0.5, 8), (0.9, 1000))],
+    ["ring, N = 8, f = 0.5", "ring, N = 1,000, f = 0.9", "full, N = 8, f = 0.5", "full, N = 1,000, f = 0.9"]),
+    ([{}], [""]),
+])  # fmt: skip
 def test_captions_tell_panels_apart(varied, captions):
     parts = [study(["0.6", "0.7"], **coordinates)[["correct"]] for coordinates in varied]
     panels = panels_of(xr.concat(parts, "setting"))
@@ -458,7 +443,6 @@ def test_pictures_of_a_part_say_so():
 
 
 # ---- names of any length
-
 NAMES = "watts_strogatz_graph(k=4,p=0.1), my_quite_long_brain_name_of_2024.py, N = 10, f = 0.55"
 
 
@@ -508,8 +492,6 @@ def test_long_titles_stay_on_their_page():
 
 
 # ---- bad input
-
-
 def test_nothing_left_to_draw_is_an_input_error():
     empty = forget(study(), trial=slice(None))
     for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), figures.heatmap):
@@ -530,8 +512,6 @@ def test_nothing_left_to_draw_is_an_input_error():
 
 
 # ---- files
-
-
 def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     results = study(["0.6", "0.7"])
 
@@ -548,35 +528,29 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.caption.txt", "f0.55.png", "f0.55.svg"]
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"figure": 3}, "figure='int': should be a figure"),
-        ({"path": 3}, "path=3: should be the name of a file"),
-        ({"formats": "png"}, r"formats='png': should be a list of endings, such as \['png', 'pdf'\]"),
-        ({"formats": [3]}, "formats=.*should be a list"),
-        ({"dpi": "x"}, "dpi='x': should be 10 to 2400"),
-    ],
-)
+@pytest.mark.parametrize(("given", "said"), [
+    ({"figure": 3}, "figure='int': should be a figure"),
+    ({"path": 3}, "path=3: should be the name of a file"),
+    ({"formats": "png"}, r"formats='png': should be a list of endings, such as \['png', 'pdf'\]"),
+    ({"formats": [3]}, "formats=.*should be a list"),
+    ({"dpi": "x"}, "dpi='x': should be 10 to 2400"),
+])  # fmt: skip
 def test_what_is_no_figure_and_no_path_is_refused(given, said, tmp_path: Path):
     with pytest.raises(InputError, match=said):
         figures.save(**{"figure": Figure(), "path": tmp_path / "x", **given})
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("kind", "options", "said"),
-    [
-        ("scatter", {"scale": "nix"}, "scale='nix': should be one of log, log-y, linear"),
-        ("scatter", {"error_limit": -1}, "error_limit=-1: should be a number above 0"),
-        ("scatter", {"local": 1}, "local=1: should be True or False"),
-        ("scatter", {"color": 3}, "color=3: should be a text"),
-        ("lines", {"y": "stop_round"}, "y='stop_round': nothing to draw: no trial of these settings has numbers of it"),
-        ("film", {"fps": 0}, "fps=0: should be 1 to 240 frames a second"),
-        ("film", {"fps": True}, "fps=True: should be a whole number"),
-        ("arena", {"tick": 1.5}, "tick=1.5: should be a whole number or a text"),
-    ],
-)
+@pytest.mark.parametrize(("kind", "options", "said"), [
+    ("scatter", {"scale": "nix"}, "scale='nix': should be one of log, log-y, linear"),
+    ("scatter", {"error_limit": -1}, "error_limit=-1: should be a number above 0"),
+    ("scatter", {"local": 1}, "local=1: should be True or False"),
+    ("scatter", {"color": 3}, "color=3: should be a text"),
+    ("lines", {"y": "stop_round"}, "y='stop_round': nothing to draw: no trial of these settings has numbers of it"),
+    ("film", {"fps": 0}, "fps=0: should be 1 to 240 frames a second"),
+    ("film", {"fps": True}, "fps=True: should be a whole number"),
+    ("arena", {"tick": 1.5}, "tick=1.5: should be a whole number or a text"),
+])  # fmt: skip
 def test_options_of_wrong_types_are_refused_before_anything_is_computed(kind, options, said):
     results = study().assign(stop_round=lambda data: data["convergence_error"] * np.nan)
     with pytest.raises(InputError, match=said):

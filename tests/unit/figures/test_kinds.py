@@ -40,8 +40,6 @@ def intervals(axes, label):
 
 
 # ---- finding a kind
-
-
 def test_all_kinds_of_ours_are_found_in_their_folder():
     assert list(PLUGINS.shipped) == OURS
     assert dir(sc.plot) == sorted([*OURS, "caption", "save"])
@@ -59,26 +57,23 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
     assert "no figure 'line': did you mean 'lines'? there are" in refused("plot", small_file, "--kind", "line")
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ("--kind ranks --x robots", "--kind ranks has no key x: it has "),
-        ("--kind scatter --y final_error", "--y final_error: goes with x"),
-        ("--kind lines --x robot", "--x robot: did you mean 'robots'? the coordinates that vary here are top"),
-        (
-            "--kind lines --y convergence_eror",
-            "--y convergence_eror: did you mean 'convergence_error'? what is measured",
-        ),
-        ("--kind lines --y final_error --option form=columns", "goes with y = correct and x = checkpoint"),
-        ("--kind lines --x robots --theory", "--theory: goes with x = checkpoint or x = belief"),
-        ("--kind lines --x belief", "all robots of these results know their sensors"),
-        ("--color brian", "--color brian: did you mean 'brain'? the coordinates that vary here are topology, robots"),
-        ("--kind lines --option form=steps --color robts", "--color robts: did you mean 'robots'? settings differ in"),
-        ("--cols robots,floors", "--cols floors: did you mean 'floor'?"),
-        ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
-        ("--kind lines --option statistic=mode", "statistic = 'mode'"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    ("--kind ranks --x robots", "--kind ranks has no key x: it has "),
+    ("--kind scatter --y final_error", "--y final_error: goes with x"),
+    ("--kind lines --x robot", "--x robot: did you mean 'robots'? the coordinates that vary here are top"),
+    (
+        "--kind lines --y convergence_eror",
+        "--y convergence_eror: did you mean 'convergence_error'? what is measured",
+    ),
+    ("--kind lines --y final_error --option form=columns", "goes with y = correct and x = checkpoint"),
+    ("--kind lines --x robots --theory", "--theory: goes with x = checkpoint or x = belief"),
+    ("--kind lines --x belief", "all robots of these results know their sensors"),
+    ("--color brian", "--color brian: did you mean 'brain'? the coordinates that vary here are topology, robots"),
+    ("--kind lines --option form=steps --color robts", "--color robts: did you mean 'robots'? settings differ in"),
+    ("--cols robots,floors", "--cols floors: did you mean 'floor'?"),
+    ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
+    ("--kind lines --option statistic=mode", "statistic = 'mode'"),
+])  # fmt: skip
 def test_impossible_options_are_refused_in_a_line(options, said, small_file, refused):
     assert said in refused("plot", small_file, *options.split())
 
@@ -96,8 +91,6 @@ def test_the_shell_draws_what_python_draws(small_file, small_results, here):
 
 
 # ---- the pages
-
-
 def test_the_galleries_have_every_kind_and_each_picture():
     pages = [(ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("plotting", "lecture")]
     row = re.compile(r"^\| !\[\]\((images/gallery/\S+)\) \|.*--kind (\w+).*\|$", re.MULTILINE)
@@ -107,8 +100,6 @@ def test_the_galleries_have_every_kind_and_each_picture():
 
 
 # ---- one trial
-
-
 def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results):
     tables = {"swarm": {"robots": 4, "accuracy": 0.8}, "schedule": {"ticks": 20}}
     moving = sc.run(sc.Study(trials=2, world={"topology": "moving", "density": 2, "fill_ratio": 0.55}, **tables))
@@ -128,8 +119,6 @@ def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results):
 
 
 # ---- any coordinate
-
-
 def test_scatters_and_decisions_are_coloured_by_any_coordinate():
     results = xr.concat(
         [study(["0.6"], topology=t, seed=k, trials=8) for k, t in enumerate(("ring", "full"))], "setting"
@@ -164,15 +153,12 @@ def test_settings_that_are_pooled_count_a_trial_once():
 
 
 @pytest.mark.long(but_every=2)
-@pytest.mark.parametrize(
-    ("kind", "options", "said"),
-    [
-        ("lines", {"x": "robots", "color": "topology", "cols": []}, "2 fill ratios and 2 accuracies"),
-        ("lines", {"x": "checkpoint", "color": "robots", "cols": "topology"}, "2 fill ratios and 2 accuracies"),
-        ("scatter", {"cols": "topology"}, "2 numbers of robots and 2 fill ratios"),
-        ("scatter", {}, ""),
-    ],
-)
+@pytest.mark.parametrize(("kind", "options", "said"), [
+    ("lines", {"x": "robots", "color": "topology", "cols": []}, "2 fill ratios and 2 accuracies"),
+    ("lines", {"x": "checkpoint", "color": "robots", "cols": "topology"}, "2 fill ratios and 2 accuracies"),
+    ("scatter", {"cols": "topology"}, "2 numbers of robots and 2 fill ratios"),
+    ("scatter", {}, ""),
+])  # fmt: skip
 def test_what_a_figure_pools_is_in_its_caption_and_in_the_log(kind, options, said, small_results, caplog, tmp_path):
     half = small_results["topology"].isin(["ring", "full"]).values
     results = small_results if said else small_results.isel(setting=half)  # which has a panel for each setting
@@ -188,8 +174,6 @@ def test_what_a_figure_pools_is_in_its_caption_and_in_the_log(kind, options, sai
 
 
 # ---- lines
-
-
 def test_axes_of_lines_begin_at_0_or_at_a_round_number():
     results = robots()
     results["convergence_error"][:] = np.linspace(0.8, 1.0, results["convergence_error"].size).reshape(3, 12, 8)

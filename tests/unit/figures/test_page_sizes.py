@@ -168,21 +168,18 @@ def test_height_and_font_size(draw):
     assert {t.get_fontsize() for t in draw("lines", font_size=12).axes[0].get_xticklabels()} == {12.0}
 
 
-@pytest.mark.parametrize(
-    ("kind", "options", "said"),
-    [
-        ("lines", {"width": "wide"}, r"width='wide': should be 2 to 60 inches, or one of column, double, slide"),
-        ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
-        ("lines", {"width": "column", "height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
-        ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
-        ("arena", {"height": 2.0, "width": "column"}, r"height=2.0: this figure needs \d+\.\d inches at least"),
-        ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
-        ("lines", {"labels": 3}, "labels=3: should be names by names"),
-        ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
-        ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
-        ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),
-    ],
-)
+@pytest.mark.parametrize(("kind", "options", "said"), [
+    ("lines", {"width": "wide"}, r"width='wide': should be 2 to 60 inches, or one of column, double, slide"),
+    ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
+    ("lines", {"width": "column", "height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
+    ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
+    ("arena", {"height": 2.0, "width": "column"}, r"height=2.0: this figure needs \d+\.\d inches at least"),
+    ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
+    ("lines", {"labels": 3}, "labels=3: should be names by names"),
+    ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
+    ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
+    ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),
+])  # fmt: skip
 def test_impossible_pages_are_refused_in_a_line(kind, options, said, draw):
     with pytest.raises(sc.InputError, match=said):
         draw(kind, **options)
@@ -225,8 +222,6 @@ def test_styles_are_respected(draw, small_file, here):
 
 
 # ---- names of brains
-
-
 def test_labels_are_written_as_they_are(draw, tmp_path):
     labels = {"minimalistic": r"bad $\frac$ x", "bayes-bots": "voter and more", "voter": "census"}
     for kind in ("pareto", "compare"):
@@ -292,8 +287,6 @@ def test_equal_labels_of_two_brains():
 
 
 # ---- what figures say
-
-
 def test_too_few_trials_are_said_as_compare_says_it(draw):
     data = made_up(trials=6, gap=0.3)
     said = [caution for caution in sc.compare(data).cautions if "cannot tell anything apart" in caution]

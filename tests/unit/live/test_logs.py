@@ -141,19 +141,16 @@ def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
     assert held["played"] == {"tick": "7"}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ("BOARDS", "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
-        ("STRANGE", "swarm.json: study: "),
-        ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
-        ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
-        ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
-        ("DAY --set accuracy=0.9", "accuracy = 0.9: "),
-        ("DAY --view tick=31", "tick = 31"),
-        ("DAY --view beside=voter", "beside = voter: this recording is as its logs have it: nothing can be chosen"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "says"), [
+    ("BOARDS", "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
+    ("STRANGE", "swarm.json: study: "),
+    ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
+    ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
+    ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
+    ("DAY --set accuracy=0.9", "accuracy = 0.9: "),
+    ("DAY --view tick=31", "tick = 31"),
+    ("DAY --view beside=voter", "beside = voter: this recording is as its logs have it: nothing can be chosen"),
+])  # fmt: skip
 def test_what_cannot_be_watched_is_refused_in_a_sentence(recording, here, refused, arguments, says):
     about = {k: v for k, v in json.loads((recording / "swarm.json").read_text()).items() if k != "sha256"}
     moves = about["study"].replace('topology = "ring"', 'topology = "moving"\ndensity = 1.0')

@@ -95,11 +95,10 @@ def test_nothing_else_is_served(served, path, host):
     assert "default-src 'none'" in headers["content-security-policy"]
 
 
-@pytest.mark.parametrize(
-    ("host", "statuses"),
-    [("evil.example:80", (400, 421)), ("127.0.0.1.evil.example", (400, 421)), ("a@b", (400, 421)), ("[", (400, 421)),
-     ("localhost:9000", (200,)), ("[::1]:80", (200,))],
-)  # fmt: skip
+@pytest.mark.parametrize(("host", "statuses"), [
+    ("evil.example:80", (400, 421)), ("127.0.0.1.evil.example", (400, 421)), ("a@b", (400, 421)), ("[", (400, 421)),
+    ("localhost:9000", (200,)), ("[::1]:80", (200,)),
+])  # fmt: skip
 def test_names_of_this_machine_are_answered_and_no_others(served, host, statuses):
     """A page of another site that had its name point here would come with that name."""
     assert get(served, f"/?token={served.token}", host)[0] in statuses
@@ -217,21 +216,18 @@ def test_it_listens_on_loopback_alone(served):
             http.client.HTTPConnection(address, served.port, timeout=2).connect()
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ("--view besid=voter", "--view besid: did you mean 'beside'?"),
-        ("--set tick=0", "world.body.tick = 0: should be greater than 0"),
-        ("--moment #robots=-4", "robots = -4"),
-        ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
-        ("--view tick=10001", "tick = 10001"),
-        ("--view colour=red", "colour = red"),
-        ("mine.py", "there is no such file"),
-        ("--out run.txt", "--out run.txt"),
-        ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
-        ("--out folder/none/run.html --set robots=99999", "robots = 99999: at most 20,000 robots can be watched"),
-    ],
-)
+@pytest.mark.parametrize(("given", "said"), [
+    ("--view besid=voter", "--view besid: did you mean 'beside'?"),
+    ("--set tick=0", "world.body.tick = 0: should be greater than 0"),
+    ("--moment #robots=-4", "robots = -4"),
+    ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
+    ("--view tick=10001", "tick = 10001"),
+    ("--view colour=red", "colour = red"),
+    ("mine.py", "there is no such file"),
+    ("--out run.txt", "--out run.txt"),
+    ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
+    ("--out folder/none/run.html --set robots=99999", "robots = 99999: at most 20,000 robots can be watched"),
+])  # fmt: skip
 def test_mistakes_are_refused_in_a_sentence(given, said, refused):
     assert said in refused("watch", "--no-browser", *given.split())
 

@@ -169,36 +169,30 @@ def test_trials_that_were_not_run_are_left_out(small_results):
 
 
 class TestSelecting:
-    @pytest.mark.parametrize(
-        ("expression", "count"),
-        [
-            ('topology == "ring"', 8),
-            ("robots == 12 and fill_ratio > 0.6", 8),
-            ("0.675 == accuracy", 16),
-            ('accuracy == "U(0.525,0.975)" or robots == 5', 24),
-            ('not topology in ["ring", "line"]', 16),
-            ('topology not in ("ring", "line") and not robots == 5', 8),
-            ("5 <= robots < 12", 16),
-        ],
-    )
+    @pytest.mark.parametrize(("expression", "count"), [
+        ('topology == "ring"', 8),
+        ("robots == 12 and fill_ratio > 0.6", 8),
+        ("0.675 == accuracy", 16),
+        ('accuracy == "U(0.525,0.975)" or robots == 5', 24),
+        ('not topology in ["ring", "line"]', 16),
+        ('topology not in ("ring", "line") and not robots == 5', 8),
+        ("5 <= robots < 12", 16),
+    ])  # fmt: skip
     def test_expressions(self, expression, count, small_results):
         assert where(small_results, expression).sizes["setting"] == count
 
-    @pytest.mark.parametrize(
-        ("expression", "said"),
-        [
-            ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
-            ("topology == ring", """no coordinate 'ring': a text is quoted, as "ring\""""),
-            ("robots = 5", "robots = 5"),
-            ("7 == robots", "no setting is so: robots is 5, 12$"),
-            ("robots > 12", "no setting is so$"),
-            ('robots == 5 and topology == "rng"', "mean 'ring'. topology is full, ring, line, scale-free"),
-            ("robots", "should compare"),
-            ("__import__('os').system('true') == 0", "neither a coordinate nor a value"),
-            ("robots in 5", "comes a list"),
-            ("robots is 5", "should compare with"),
-        ],
-    )
+    @pytest.mark.parametrize(("expression", "said"), [
+        ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
+        ("topology == ring", """no coordinate 'ring': a text is quoted, as "ring\""""),
+        ("robots = 5", "robots = 5"),
+        ("7 == robots", "no setting is so: robots is 5, 12$"),
+        ("robots > 12", "no setting is so$"),
+        ('robots == 5 and topology == "rng"', "mean 'ring'. topology is full, ring, line, scale-free"),
+        ("robots", "should compare"),
+        ("__import__('os').system('true') == 0", "neither a coordinate nor a value"),
+        ("robots in 5", "comes a list"),
+        ("robots is 5", "should compare with"),
+    ])  # fmt: skip
     def test_faults(self, expression, said, small_results):
         with pytest.raises(sc.InputError, match=said):
             where(small_results, expression)
@@ -221,8 +215,6 @@ def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):
 
 
 # ---- what notebooks show: a study's grid, a summary of results, a trace's curves, and a bar while a study runs
-
-
 CELLS = [
     "import swarmcensus as sc\nstudy = sc.Study(trials=2, swarm={'robots': [2, 3], 'accuracy': 0.8}, "
     "world={'topology': 'ring', 'fill_ratio': 0.55}, schedule={'rounds': 5})\nstudy",
@@ -259,8 +251,6 @@ def test_results_show_the_numbers_of_their_summary(small_results):
 
 
 # ---- the lines
-
-
 def test_lines_in_a_notebook(monkeypatch, capsys):
     shell = types.SimpleNamespace(kernel=1)
     monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))

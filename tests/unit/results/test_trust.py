@@ -189,10 +189,9 @@ KINDS = ("kinds", "measures", "rule", "merged", "liars")
 
 
 @pytest.mark.long(but=["some of rule"])
-@pytest.mark.parametrize(
-    ("name", "count"),
-    [*(pytest.param(name, 30, id=name) for name in KINDS), pytest.param("rule", 3, id="some of rule")],
-)
+@pytest.mark.parametrize(("name", "count"), [
+    *(pytest.param(name, 30, id=name) for name in KINDS), pytest.param("rule", 3, id="some of rule")
+])  # fmt: skip
 def test_damage_is_found_or_changes_nothing(name, count, request, files, copies, tmp_path):
     whole = request.getfixturevalue(name) if name == "liars" else files / f"{name}.nc"
     sound, raw, chance = sc.load(whole), whole.read_bytes(), np.random.default_rng(count)
@@ -223,13 +222,10 @@ def may_differ(what):
 
 
 @pytest.mark.long(but=["some of rule"])
-@pytest.mark.parametrize(
-    ("name", "first", "step"),
-    [
-        *(pytest.param(name, 6 * k, 30, id=name) for k, name in enumerate(KINDS)),
-        pytest.param("rule", 0, 300, id="some of rule"),
-    ],
-)
+@pytest.mark.parametrize(("name", "first", "step"), [
+    *(pytest.param(name, 6 * k, 30, id=name) for k, name in enumerate(KINDS)),
+    pytest.param("rule", 0, 300, id="some of rule"),
+])  # fmt: skip
 def test_edits_saved_with_new_hashes_are_found(name, first, step, request, files, quick, untraced, tmp_path):
     """Of variables, coordinates and attributes, in each way, unless it leaves nothing else to read."""
     path = request.getfixturevalue(name) if name == "liars" else files / f"{name}.nc"
@@ -325,10 +321,9 @@ def test_a_setting_that_is_there_twice_is_found(files, tmp_path):
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("name", "by", "excused"),
-    [("convergence_error", 0.001, 1), ("convergence_error", 0.2, 0), ("messages_heard", 1.0, 0)],
-)
+@pytest.mark.parametrize(("name", "by", "excused"), [
+    ("convergence_error", 0.001, 1), ("convergence_error", 0.2, 0), ("messages_heard", 1.0, 0)
+])  # fmt: skip
 def test_what_a_card_may_change_is_counted_and_never_called_the_same(name, by, excused):
     """Of a brain that uses exp; counts of messages and large errors are no card's."""
     study = study_of("bayes-bots", 9, 0.8, rounds=15, trials=4, seed=0, fill_ratio=0.35)
@@ -412,10 +407,9 @@ def test_minus_zero_is_not_the_same_to_the_last_bit(files):
     assert len(sc.verify(data, 1.0).differences) == 1
 
 
-@pytest.mark.parametrize(
-    ("how", "said"),
-    [("elsewhere", "the numbers of fill_ratio are not in the file"), ("linked", "fill_ratio is a link")],
-)
+@pytest.mark.parametrize(("how", "said"), [
+    ("elsewhere", "the numbers of fill_ratio are not in the file"), ("linked", "fill_ratio is a link")
+])  # fmt: skip
 def test_no_other_file_is_read(how, said, tmp_path):
     """HDF5 can keep an array in any file: whoever merged such results would copy that file into them."""
     path, other = tmp_path / "x.nc", tmp_path / "other"
@@ -446,14 +440,11 @@ class TestNothingElseIsOpened:
 
     @pytest.mark.long(but_every=4)
     @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "merge x.nc --out y.nc"])
-    @pytest.mark.parametrize(
-        ("old", "new", "said"),
-        [
-            ('"office.csv"', '"other-office.csv"', "these edges are not stored here"),
-            ('"leaf.png"', '"other-leaf.png"', "this image is not stored here"),
-            ("[swarm]", '[swarm]\nbrain = "mine.py"', "this brain's source is not stored here"),
-        ],
-    )
+    @pytest.mark.parametrize(("old", "new", "said"), [
+        ('"office.csv"', '"other-office.csv"', "these edges are not stored here"),
+        ('"leaf.png"', '"other-leaf.png"', "this image is not stored here"),
+        ("[swarm]", '[swarm]\nbrain = "mine.py"', "this brain's source is not stored here"),
+    ])  # fmt: skip
     def test_in_any_command(self, command, old, new, said, files, here, refused):
         (here / "mine.py").write_text("raise SystemExit('was run')")
         data = sc.load(files / "kinds.nc")

@@ -251,17 +251,14 @@ def test_a_brain_has_its_parameters_and_formats_of_the_study(tmp_path, refused):
     assert f"study file {words[-1]}: swarm.brain = voter, tracking: should have the brain" in said
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ('topology = "moving"\ndensity = [10, 1]', 'topology = "ring"', "world.topology = 'ring'"),
-        ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "swarm.accuracy = U(0.6,0.9)"),
-        ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "world.floor = clusters(0.2)"),
-        ("speed = 0.1", "message_delay = 2", "world.body.message_delay = 2"),
-        ("speed = 0.1", "radius = 0.08", "world.body.radius = 0.08"),
-        ("speed = 0.1", "tick = 0.3", "world.body.tick = 0.3"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "says"), [
+    ('topology = "moving"\ndensity = [10, 1]', 'topology = "ring"', "world.topology = 'ring'"),
+    ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "swarm.accuracy = U(0.6,0.9)"),
+    ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "world.floor = clusters(0.2)"),
+    ("speed = 0.1", "message_delay = 2", "world.body.message_delay = 2"),
+    ("speed = 0.1", "radius = 0.08", "world.body.radius = 0.08"),
+    ("speed = 0.1", "tick = 0.3", "world.body.tick = 0.3"),
+])  # fmt: skip
 def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
     assert old in STUDY
     text = STUDY.replace(old, new)

@@ -120,44 +120,36 @@ def test_sensors_that_say_little_or_the_opposite_are_named(here, answer):
     assert "is unknown: counts lack `changes`" in found["sentences"][1]
 
 
-@pytest.mark.parametrize(
-    ("table", "says"),
-    [
-        (HEAD, "no readings"),
-        ("robot,strip\n1,black\n", "should have columns robot,strip,readings,black,changes"),
-        (counts((1, "grey", 9, 5, 2)), "column 'strip': 'grey': should be black or white"),
-        (counts((1, "black", 9, 10, 2)), "10 black, 2 changes: more black than readings"),
-        (counts((1, "black", 9, 8, 5)), "line 2: 9 readings, 8 black, 5 changes: that cannot be"),
-        (counts((1, "black", 9, 8, 2)), "c.csv: robot 1 has no readings on the white strip"),
-        (counts((1, "black", 9, 8, 0)), "line 2: 9 readings, 8 black, 0 changes: that cannot be"),
-        (counts((70000, "black", 9, 8, 2)), "'70000': should be a robot's number, from 0 to 65535"),
-        (counts((1, "0.5", 9, 8, 2)), "column 'strip': '0.5': should be black or white"),
-        ("robot,strip,reading\n1,black,0.5\n", "line 2: column 'reading': '0.5': should be 0 (white)"),
-        ("robot,strip,reading,black\n1,black,1,1\n", "has counts and single readings"),
-    ],
-)
+@pytest.mark.parametrize(("table", "says"), [
+    (HEAD, "no readings"),
+    ("robot,strip\n1,black\n", "should have columns robot,strip,readings,black,changes"),
+    (counts((1, "grey", 9, 5, 2)), "column 'strip': 'grey': should be black or white"),
+    (counts((1, "black", 9, 10, 2)), "10 black, 2 changes: more black than readings"),
+    (counts((1, "black", 9, 8, 5)), "line 2: 9 readings, 8 black, 5 changes: that cannot be"),
+    (counts((1, "black", 9, 8, 2)), "c.csv: robot 1 has no readings on the white strip"),
+    (counts((1, "black", 9, 8, 0)), "line 2: 9 readings, 8 black, 0 changes: that cannot be"),
+    (counts((70000, "black", 9, 8, 2)), "'70000': should be a robot's number, from 0 to 65535"),
+    (counts((1, "0.5", 9, 8, 2)), "column 'strip': '0.5': should be black or white"),
+    ("robot,strip,reading\n1,black,0.5\n", "line 2: column 'reading': '0.5': should be 0 (white)"),
+    ("robot,strip,reading,black\n1,black,1,1\n", "has counts and single readings"),
+])  # fmt: skip
 def test_wrong_tables_are_refused_in_a_sentence(here, refused, table, says):
     (here / "c.csv").write_text(table)
     assert says in refused("calibrate", "c.csv")
 
 
 # ---- robots.toml
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("number = 3", "number = 7", "number = 7: 2 robots have it"),
-        ("number = 3", "number = 70000", "should be a robot's number, from 0 to 65535"),
-        ("b = 0.7", "b = 1.7", "robots[1].b = 1.7"),
-        ("b = 0.7, w = 0.75, ", "", "robots[1].b is missing (and 1 more)"),
-        ("b = 0.7, w = 0.75", "b = 0.7, w = 0.3", "robot 3, b = 0.7 and w = 0.3: black and white read the same"),
-        ('"pi@10.0.0.3"', '""', "robots[1].address = "),
-        ('"/dev/ttyUSB0"', '""', "robots[0].port = "),
-        ('address = "pi@10.0.0.3"', 'port = "/dev/ttyUSB0"', "port = /dev/ttyUSB0: 2 robots have it"),
-        ("w = 0.75", "W = 0.75", "unknown key robots[1].W"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "says"), [
+    ("number = 3", "number = 7", "number = 7: 2 robots have it"),
+    ("number = 3", "number = 70000", "should be a robot's number, from 0 to 65535"),
+    ("b = 0.7", "b = 1.7", "robots[1].b = 1.7"),
+    ("b = 0.7, w = 0.75, ", "", "robots[1].b is missing (and 1 more)"),
+    ("b = 0.7, w = 0.75", "b = 0.7, w = 0.3", "robot 3, b = 0.7 and w = 0.3: black and white read the same"),
+    ('"pi@10.0.0.3"', '""', "robots[1].address = "),
+    ('"/dev/ttyUSB0"', '""', "robots[0].port = "),
+    ('address = "pi@10.0.0.3"', 'port = "/dev/ttyUSB0"', "port = /dev/ttyUSB0: 2 robots have it"),
+    ("w = 0.75", "W = 0.75", "unknown key robots[1].W"),
+])  # fmt: skip
 def test_wrong_files_of_robots_are_refused(robots, refused, old, new, says):
     robots.write_text(ROBOTS.replace(old, new))
     said = refused("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml")
@@ -269,19 +261,16 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
     assert re.search(r"\nthe earlier log is kept as logs/robot-1\.log\.\d", done.stdout)
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ("--target udp --robots robots.toml --accuracy 0.9", "--accuracy 0.9 does not go with --robots robots.toml"),
-        ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
-        ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
-        ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
-        ("--target udp --accuracy 0.9 --report bad?host:1", "--report 'bad?host:1': should be an address, such as"),
-        ("--target argos --calibrate", "--calibrate does not go with --target argos"),
-        ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
-        ("--target argos", "--accuracy is missing"),
-    ],
-)
+@pytest.mark.parametrize(("words", "says"), [
+    ("--target udp --robots robots.toml --accuracy 0.9", "--accuracy 0.9 does not go with --robots robots.toml"),
+    ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
+    ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
+    ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
+    ("--target udp --accuracy 0.9 --report bad?host:1", "--report 'bad?host:1': should be an address, such as"),
+    ("--target argos --calibrate", "--calibrate does not go with --target argos"),
+    ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
+    ("--target argos", "--accuracy is missing"),
+])  # fmt: skip
 def test_what_does_not_go_together_is_refused(robots, refused, words, says):
     robots.with_name("s.toml").write_text(study_of(ticks=9).text)
     assert says in refused("deploy", "commons", "fleet", *words.split())
@@ -336,7 +325,6 @@ def test_a_plan_has_what_the_uncertainty_adds(robots, here):
 
 
 # ---- the program that counts
-
 COUNTING = """
 import sys
 if "calibrate" not in sys.modules:  # which imports this file

@@ -118,10 +118,9 @@ def built(folder, options="", number=2):
 
 
 @HOST
-@pytest.mark.parametrize(
-    ("number", "given", "speaks_as"),
-    [(0xFFFF, None, None), (0, None, None), (0xFFFE, None, 0xFFFE), (0xFFFF, 7, 7), (3, 7, 7)],
-)
+@pytest.mark.parametrize(("number", "given", "speaks_as"), [
+    (0xFFFF, None, None), (0, None, None), (0xFFFE, None, 0xFFFE), (0xFFFF, 7, 7), (3, 7, 7)
+])  # fmt: skip
 def test_a_kilobot_without_a_number_blinks_and_says_nothing(tmp_path, number, given, speaks_as):
     """New ones all have 0xFFFF; robots of one number would not hear each other."""
     folder = built(deployed(tmp_path / "robot", "commons", *(["--robot", str(given)] if given else [])), number=number)

@@ -94,7 +94,6 @@ def test_the_page_shows_the_table():
 
 
 # ---- random numbers: each robot and each boot has its own
-
 ON_PYTHON = """
 import os, random
 del os.urandom
@@ -125,7 +124,6 @@ def test_robots_and_boots_draw_numbers_of_their_own(target, tmp_path):
 
 
 # ---- robots' numbers
-
 RANGE, OWN = "should be from 0 to 65535", "has a number of its own"
 BY_PROGRAM = "the program around brain.h decides that"
 NOT_ITS = {
@@ -134,14 +132,11 @@ NOT_ITS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("target", "number", "says"),
-    [
-        *((name, 65536, RANGE) for name in PYTHON),
-        *(("kilobot", number, NOT_ITS["kilobot"]) for number in (0, 65535)),
-        *((name, 3, NOT_ITS[name]) for name in ("pogobot", "argos", "c")),
-    ],
-)
+@pytest.mark.parametrize(("target", "number", "says"), [
+    *((name, 65536, RANGE) for name in PYTHON),
+    *(("kilobot", number, NOT_ITS["kilobot"]) for number in (0, 65535)),
+    *((name, 3, NOT_ITS[name]) for name in ("pogobot", "argos", "c")),
+])  # fmt: skip
 def test_numbers_that_no_robot_has_are_refused(refused, target, number, says):
     needs = [] if "accuracy" in find(target).refuses else ACCURACY
     said = refused("deploy", "commons", "robot", "--target", target, "--robot", number, *needs)
@@ -157,7 +152,6 @@ def test_numbers_are_missing_on_a_computer(tmp_path):
 
 
 # ---- message sizes
-
 LARGE = """
 MEMORY = {"v": (0.0,) * SIZE}
 MESSAGE = ("v",)
@@ -199,21 +193,17 @@ def test_messages_that_a_radio_does_not_hold_are_refused(refused, here, target):
 
 
 # ---- ticks
-
 LIMITS = "should be ticks a second, from 0.001 to"
 
 
-@pytest.mark.parametrize(
-    ("target", "hz", "says"),
-    [
-        *((name, hz, LIMITS) for name in (*PYTHON, "kilobot", "pogobot") for hz in (0, 1001)),
-        *(("swarm", hz, LIMITS) for hz in (0, 501)),
-        ("kilobot", 11, "a Kilobot has at most 10 ticks a second"),
-        *(("pogobot", hz, "a whole number of ticks a second, from 1 to 255") for hz in (0.5, 2.5, 256)),
-        ("argos", 5, "the tick of the study decides that"),
-        ("c", 5, BY_PROGRAM),
-    ],
-)
+@pytest.mark.parametrize(("target", "hz", "says"), [
+    *((name, hz, LIMITS) for name in (*PYTHON, "kilobot", "pogobot") for hz in (0, 1001)),
+    *(("swarm", hz, LIMITS) for hz in (0, 501)),
+    ("kilobot", 11, "a Kilobot has at most 10 ticks a second"),
+    *(("pogobot", hz, "a whole number of ticks a second, from 1 to 255") for hz in (0.5, 2.5, 256)),
+    ("argos", 5, "the tick of the study decides that"),
+    ("c", 5, BY_PROGRAM),
+])  # fmt: skip
 def test_ticks_that_a_robot_cannot_make_are_refused(refused, target, hz, says):
     start = ["swarm", "commons"] if target == "swarm" else ["deploy", "commons", "robot", "--target", target]
     said = refused(*start, "--hz", hz, *([] if target in ("swarm", "c") else ACCURACY))
@@ -221,16 +211,13 @@ def test_ticks_that_a_robot_cannot_make_are_refused(refused, target, hz, says):
     assert says in said
 
 
-@pytest.mark.parametrize(
-    ("target", "given", "line"),
-    [
-        *((name, f"--robot {number}", f"NUMBER = {number} ") for name in PYTHON for number in (0, 65535)),
-        *((name, "--hz 4", "PERIOD = 250 ") for name in PYTHON),
-        ("kilobot", "--hz 10", "#define PERIOD 3  // of a tick; a second has 30.5"),
-        ("kilobot", "--hz 0.5", "#define PERIOD 61  // of a tick; a second has 30.5"),
-        ("pogobot", "--hz 20", "#define HZ 20  //"),
-    ],
-)
+@pytest.mark.parametrize(("target", "given", "line"), [
+    *((name, f"--robot {number}", f"NUMBER = {number} ") for name in PYTHON for number in (0, 65535)),
+    *((name, "--hz 4", "PERIOD = 250 ") for name in PYTHON),
+    ("kilobot", "--hz 10", "#define PERIOD 3  // of a tick; a second has 30.5"),
+    ("kilobot", "--hz 0.5", "#define PERIOD 61  // of a tick; a second has 30.5"),
+    ("pogobot", "--hz 20", "#define HZ 20  //"),
+])  # fmt: skip
 def test_ticks_and_numbers_are_those_that_were_asked_for(tmp_path, target, given, line):
     folder = deployed(tmp_path / "robot", target, *given.split())
     assert line in (folder / ("settings.py" if target in PYTHON else "settings.h")).read_text()

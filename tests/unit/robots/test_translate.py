@@ -60,7 +60,6 @@ def estimate(me):
     return 0.5
 '''
 
-
 NAMES_OF_C = """typeof linux unix AVR RAND_MAX BUFSIZ SEEK_CUR EXIT_FAILURE TMP_MAX P_tmpdir FOPEN_MAX WNOHANG
 BYTE_ORDER LITTLE_ENDIAN MAXFLOAT FD_SETSIZE SNAN stdin FILENAME_MAX concept"""
 NUMBERS = Numbers("double", "float32")
@@ -188,7 +187,6 @@ def deeper(k):
 
 """
 
-
 ODD = {
     "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
     "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
@@ -299,17 +297,14 @@ def test_fields_and_locals_may_have_names_of_c_libraries(command, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["commons", "new", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
-        (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]"),
-        (["commons", "other"], "the folder other is not empty, it holds 'mine.txt'"),
-        (["commons", "file"], "file is a file: name a new folder"),
-        (["commons", "new", "--precision", "float"], "--precision float"),
-        (["commons", "new", "--hz", "4"], "--hz 4"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "message"), [
+    (["commons", "new", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
+    (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]"),
+    (["commons", "other"], "the folder other is not empty, it holds 'mine.txt'"),
+    (["commons", "file"], "file is a file: name a new folder"),
+    (["commons", "new", "--precision", "float"], "--precision float"),
+    (["commons", "new", "--hz", "4"], "--hz 4"),
+])  # fmt: skip
 def test_wrong_input(arguments, message, here, refused):
     (here / "other").mkdir()
     (here / "other" / "mine.txt").touch()

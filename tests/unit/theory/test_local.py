@@ -95,8 +95,6 @@ def test_normal_shares_and_medians_are_those_of_scipy():
 
 
 # ---- cramer-Rao bounds: by hand, from the likelihood's own curvature, and against what estimates reach
-
-
 @pytest.mark.parametrize(("b", "w", "f"), [(0.7, 0.7, 0.55), (0.9, 0.6, 0.2), (0.3, 0.3, 0.95), (1.0, 0.8, 0.5)])
 def test_information_is_expected_curvature(b, w, f):
     def q(x):
@@ -141,8 +139,6 @@ def test_perfect_sensors_and_blind_ones():
 
 
 # ---- what theory is asked wrongly is refused in one line, which names the argument
-
-
 LAW = theory.local_law(5, 0.5, 0.7)
 WRONG = [
     (lambda: theory.swarm_bound(0, 0.5, 0.7), "readings = 0"),
@@ -189,8 +185,6 @@ def test_bad_input_is_named(call, said):
 
 
 # ---- the finite floor: by hand, by listing all floors, by brute force, and against SciPy's bivariate normal
-
-
 B, W = 0.9, 0.7
 K = B + W - 1
 

@@ -19,9 +19,7 @@ from tests.support.small import study_of
 PRIOR = ("min(0.25, 0.0625 / me.v)", "0.0")
 COMMONS = brain(changed(PRIOR, source=brains.load("commons").source), "commons.py")
 
-
 DIRECTED = nx.DiGraph([(0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (4, 1), (2, 4)])
-
 
 GRAPHS = {
     "one": nx.empty_graph(1),
@@ -96,8 +94,6 @@ def test_a_robot_that_knows_only_blind_ones_knows_nothing():
 
 
 # ---- how fast
-
-
 def test_relaxation_times_are_known_ones():
     for robots, rounds in ((20, 30.1), (50, 189.7), (100, 759.7)):
         matrix = theory.mixing_matrix("ring", robots)
@@ -118,8 +114,6 @@ def test_the_stationary_law_counts_neighbours():
 
 
 # ---- against runs
-
-
 ARROWS = [*DIRECTED.edges, (4, 5), (5, 6), (6, 7), (7, 0)]
 PLACES = {
     **{name: name for name in ("ring", "line", "full")},

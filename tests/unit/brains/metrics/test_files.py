@@ -181,18 +181,15 @@ def test_faults_of_a_file_are_named(old, new, said, tmp_path):
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("names", "said"),
-    [
-        (["frist-right"], 'measure.metrics[0] = "frist-right"'),
-        ([1], "a metric is a shipped metric's name or the path of a metric file"),
-        (["first-right", "first_right.py"], "two of them would be called 'first_right' in the results"),
-        (["correct.py"], "the name 'correct' is used in the results"),
-        (["mine_low.py"], "the name 'mine_low' is used in the results"),
-        (["mine"], "\"mine\": did you mean 'mine.py'?"),
-        (["my.metric.py"], "'my.metric' cannot name a variable"),
-    ],
-)
+@pytest.mark.parametrize(("names", "said"), [
+    (["frist-right"], 'measure.metrics[0] = "frist-right"'),
+    ([1], "a metric is a shipped metric's name or the path of a metric file"),
+    (["first-right", "first_right.py"], "two of them would be called 'first_right' in the results"),
+    (["correct.py"], "the name 'correct' is used in the results"),
+    (["mine_low.py"], "the name 'mine_low' is used in the results"),
+    (["mine"], "\"mine\": did you mean 'mine.py'?"),
+    (["my.metric.py"], "'my.metric' cannot name a variable"),
+])  # fmt: skip
 def test_bad_names_are_refused(names, said, here):
     for name in ("first_right.py", "correct.py", "my.metric.py", "mine_low.py", "mine.py"):
         Path(name).write_text(MINE)
@@ -212,17 +209,13 @@ def failing(source, rounds=20):
 AFTER = "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef result"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("= estimate", "= 1.0 / (k - my.rounds)", "division by zero, at mine.py, line 13: my.last = 1.0 / (k - my."),
-        ("def result", AFTER, "division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
-        ("return my.last", "return 1.0 / (my.robots - 3)", "ZeroDivisionError: division by zero, at mine.py, line"),
-        ("return my.last", "return math.nan", "its result is no number (of what never comes, infinity is right)"),
-        ("= estimate", "= 'much'", "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
-    ],
-    ids=["division", "after", "result", "nan", "uncompilable"],
-)
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("= estimate", "= 1.0 / (k - my.rounds)", "division by zero, at mine.py, line 13: my.last = 1.0 / (k - my."),
+    ("def result", AFTER, "division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
+    ("return my.last", "return 1.0 / (my.robots - 3)", "ZeroDivisionError: division by zero, at mine.py, line"),
+    ("return my.last", "return math.nan", "its result is no number (of what never comes, infinity is right)"),
+    ("= estimate", "= 'much'", "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
+], ids=["division", "after", "result", "nan", "uncompilable"])  # fmt: skip
 @pytest.mark.parametrize("checked", [1, 2000])  # estimates that CPython looks at beforehand
 def test_a_metric_that_fails_is_named(old, new, said, checked, here, monkeypatch):
     monkeypatch.setattr(file_metrics, "MOST_CHECKED", checked)
@@ -231,16 +224,13 @@ def test_a_metric_that_fails_is_named(old, new, said, checked, here, monkeypatch
     assert said in found
 
 
-@pytest.mark.parametrize(
-    ("body", "said"),
-    [
-        ("my.last = math.exp(1000.0)", "OverflowError: math range error, at mine.py, line 13"),
-        ("my.last = math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
-        ("my.last = float(9223372036854775807 + k)", "last is -9.223372036854"),
-        ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
-        ("if k > 2:\n        my.last = math.sqrt(estimate - 2.0)", "math domain error, at mine.py, line 14"),
-    ],
-)
+@pytest.mark.parametrize(("body", "said"), [
+    ("my.last = math.exp(1000.0)", "OverflowError: math range error, at mine.py, line 13"),
+    ("my.last = math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
+    ("my.last = float(9223372036854775807 + k)", "last is -9.223372036854"),
+    ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
+    ("if k > 2:\n        my.last = math.sqrt(estimate - 2.0)", "math domain error, at mine.py, line 14"),
+])  # fmt: skip
 def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, here):
     assert said in failing(MINE.replace("my.last = estimate", body), rounds=60)
 

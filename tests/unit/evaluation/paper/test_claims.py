@@ -236,30 +236,24 @@ def test_few_trials_decide_nothing_that_is_random(name):
     assert verdict(name, trials=intervals.FEWEST - 1).verdict == UNDECIDED
 
 
-@pytest.mark.parametrize(
-    ("said", "verdict"),
-    [
-        ("yyyy", HOLDS), ("yyy-", HOLDS), ("yy--", PARTLY), ("yyyyyyn", PARTLY), ("ynn-", PARTLY), ("ynn", FAILS),
-        ("n---", FAILS), ("nnnn", FAILS), ("----", UNDECIDED), ("", UNDECIDED),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("said", "verdict"), [
+    ("yyyy", HOLDS), ("yyy-", HOLDS), ("yy--", PARTLY), ("yyyyyyn", PARTLY), ("ynn-", PARTLY), ("ynn", FAILS),
+    ("n---", FAILS), ("nnnn", FAILS), ("----", UNDECIDED), ("", UNDECIDED),
+])  # fmt: skip
 def test_three_verdicts(said, verdict):
     words = {"y": YES, "n": NO, "-": NEITHER}
     assert verdict_on([Detail("", 1.0, None, words[each]) for each in said]) == verdict
 
 
-@pytest.mark.parametrize(
-    ("threshold", "value", "said"),
-    [
-        ("less", 0.94, YES), ("less", 0.96, NEITHER), ("less", 1.04, NEITHER), ("less", 1.06, NO),
-        ("more", 1.06, YES), ("more", 1.04, NEITHER), ("more", 0.96, NEITHER), ("more", 0.94, NO),
-        ("lower", -0.06, YES), ("lower", 0.04, NEITHER), ("lower", 0.06, NO),
-        ("higher", 0.06, YES), ("higher", -0.04, NEITHER), ("higher", -0.06, NO),
-        ("much less", 0.79, YES), ("much less", 0.81, NO), ("much more", 1.26, YES), ("much more", 1.24, NO),
-        ("alike", 0.81, YES), ("alike", 1.24, YES), ("alike", 0.79, NO), ("alike", 1.26, NO),
-        ("below 0.05", 0.049, YES), ("below 0.05", 0.051, NO), ("above -0.05", -0.04, YES),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("threshold", "value", "said"), [
+    ("less", 0.94, YES), ("less", 0.96, NEITHER), ("less", 1.04, NEITHER), ("less", 1.06, NO),
+    ("more", 1.06, YES), ("more", 1.04, NEITHER), ("more", 0.96, NEITHER), ("more", 0.94, NO),
+    ("lower", -0.06, YES), ("lower", 0.04, NEITHER), ("lower", 0.06, NO),
+    ("higher", 0.06, YES), ("higher", -0.04, NEITHER), ("higher", -0.06, NO),
+    ("much less", 0.79, YES), ("much less", 0.81, NO), ("much more", 1.26, YES), ("much more", 1.24, NO),
+    ("alike", 0.81, YES), ("alike", 1.24, YES), ("alike", 0.79, NO), ("alike", 1.26, NO),
+    ("below 0.05", 0.049, YES), ("below 0.05", 0.051, NO), ("above -0.05", -0.04, YES),
+])  # fmt: skip
 def test_all_orderings_have_one_margin(threshold, value, said):
     needed = Needed.of(threshold)
     assert Evidence({}, trials=30).judge(Finding("", np.full(1001, value)), needed).verdict == said

@@ -152,22 +152,19 @@ def by_hand(name, data=None, resamples=400):
     return getattr(quantities, name)(evidence, Contender("", "made-up", {}), {"fill_ratio": 0.6})
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("consensus_time", 6.0),  # of 4, 10 and 6
-        ("decision_time", (2.5 + 5.5 + 2.0) / 3),
-        ("convergence", 6.5),
-        ("consensus_right", 1 / 2),
-        ("wrong_consensus", 1 / 2),
-        ("right_robots", 3 / 8),
-        ("wrong_robots", 5 / 8),
-        ("right_deciders", 3 / 6),
-        ("wrong_deciders", 3 / 6),
-        ("quorums", 1 / 3),
-        ("final_error", (0.05 + 0.2 + 0.5) / 3),
-    ],
-)
+@pytest.mark.parametrize(("name", "value"), [
+    ("consensus_time", 6.0),  # of 4, 10 and 6
+    ("decision_time", (2.5 + 5.5 + 2.0) / 3),
+    ("convergence", 6.5),
+    ("consensus_right", 1 / 2),
+    ("wrong_consensus", 1 / 2),
+    ("right_robots", 3 / 8),
+    ("wrong_robots", 5 / 8),
+    ("right_deciders", 3 / 6),
+    ("wrong_deciders", 3 / 6),
+    ("quorums", 1 / 3),
+    ("final_error", (0.05 + 0.2 + 0.5) / 3),
+])  # fmt: skip
 def test_statistics_are_what_they_are_by_hand(name, value):
     found = by_hand(name)
     assert found[0] == pytest.approx(value, abs=1e-12)

@@ -130,20 +130,17 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, here, accepted):
     assert len(read(here / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
 
 
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
-        (["day", "--out", "x.txt"], "--out x.txt"),
-        (["day", "--where", "robots == 3"], "--where is for results files"),
-        (["day", "--out", "day/robot-0.log"], "--out day/robot-0.log: what this writes ends in .mcap"),
-        (["small.nc", "--out", "x.xls"], "--out x.xls: what this writes ends in .csv or .parquet"),
-        (["empty"], "empty: it holds no log: should be a folder with files such as robot-0.log"),
-        (["twice"], "two logs are of robot 0: each robot has one"),
-        (["foreign"], "should be a robot's log"),
-        (["mixed"], "of robot 0 and of robot 3"),
-        (["torn"], "swarm.json: cannot be read as JSON"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "expected"), [
+    (["day", "--out", "x.txt"], "--out x.txt"),
+    (["day", "--where", "robots == 3"], "--where is for results files"),
+    (["day", "--out", "day/robot-0.log"], "--out day/robot-0.log: what this writes ends in .mcap"),
+    (["small.nc", "--out", "x.xls"], "--out x.xls: what this writes ends in .csv or .parquet"),
+    (["empty"], "empty: it holds no log: should be a folder with files such as robot-0.log"),
+    (["twice"], "two logs are of robot 0: each robot has one"),
+    (["foreign"], "should be a robot's log"),
+    (["mixed"], "of robot 0 and of robot 3"),
+    (["torn"], "swarm.json: cannot be read as JSON"),
+])  # fmt: skip
 def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, refused, arguments, expected):
     pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
     log = (folder / "robot-0.log").read_bytes()
@@ -163,13 +160,10 @@ def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, refused, argu
     assert expected in refused("export", *arguments)
 
 
-@pytest.mark.parametrize(
-    ("library", "words"),
-    [
-        ("mcap.writer", ["export", "day"]),
-        ("rosbags.rosbag2", ["infer", "day", *["--readings", "/{robot}", "--period", "1"]]),
-    ],
-)
+@pytest.mark.parametrize(("library", "words"), [
+    ("mcap.writer", ["export", "day"]),
+    ("rosbags.rosbag2", ["infer", "day", *["--readings", "/{robot}", "--period", "1"]]),
+])  # fmt: skip
 def test_a_missing_library_says_what_to_install(library, words, folder, monkeypatch, refused):
     monkeypatch.setitem(sys.modules, library, None)
     more = ["--accuracy", "0.8"] * (words[0] == "infer")

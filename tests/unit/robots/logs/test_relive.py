@@ -144,11 +144,10 @@ def test_replay_of_a_cut_log(tmp_path):
     assert (found[kept + 1 :, [0, 2]] == shown[kept + 1 :, [0, 2]]).all()  # the neighbours of robot 1
 
 
-@pytest.mark.parametrize(
-    ("lost", "resumes", "expected"),
-    [(1, 10, "tick 10 is not in the log"), (3, 10, "ticks 10 to 12 are not in the log"),
-     (3, 2, "ticks 1 to 2 are not in the log")],
-)  # fmt: skip
+@pytest.mark.parametrize(("lost", "resumes", "expected"), [
+    (1, 10, "tick 10 is not in the log"), (3, 10, "ticks 10 to 12 are not in the log"),
+    (3, 2, "ticks 1 to 2 are not in the log"),
+])  # fmt: skip
 def test_ticks_after_a_loss_are_unknown_and_not_different(tmp_path, capsys, lost, resumes, expected):
     """Robot 1 loses ticks; in the last case the start of a life whose saved memory comes next."""
     _, _, swarm = logged(tmp_path / "day")
@@ -237,8 +236,6 @@ def begins_before(data, at):
 
 
 # ---- logs and swarm.json that somebody has made up
-
-
 TOO_LATE = block(TICK, struct.pack(OPENING, 100_000_000, 5, 0, 0, 0, 0) + struct.pack(ENDING, 0.5, 7))
 
 
@@ -254,11 +251,9 @@ def copied(whole, tmp_path):
     return Path(shutil.copytree(whole, tmp_path / "day"))
 
 
-@pytest.mark.parametrize(
-    "added",
-    [TOO_LATE, block(STATE, b""), block(STATE, MAGIC + bytes(63)), block(9, b"?")],
-    ids=["late", "empty", "version", "kind"],
-)
+@pytest.mark.parametrize("added", [
+    TOO_LATE, block(STATE, b""), block(STATE, MAGIC + bytes(63)), block(9, b"?")
+], ids=["late", "empty", "version", "kind"])  # fmt: skip
 @pytest.mark.parametrize("command", ["relive", "relive --trace t.nc", "export"])
 def test_no_block_ends_without_a_sentence(added, command, copied, here, capsys):
     path = copied / "robot-1.log"

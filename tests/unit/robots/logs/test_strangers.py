@@ -32,24 +32,21 @@ def verdict(folder, capsys):
     return main(["relive", str(folder)]), capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("more", "says"),
-    [
-        ({"started": BEGUN, "ended": BEGUN + 4000}, ""),
-        ({"started": BEGUN + 30_000, "ended": None}, "the recording was not finished"),
-        ({"started": BEGUN + DAY, "ended": None}, AWAY + "on 2023-11-15"),
-        ({"started": BEGUN - DAY, "ended": BEGUN - DAY + 4000}, AWAY + "ended on 2023-11-13"),
-        ({"robots": ROBOTS[:4]}, "robot 4: not of this recording: swarm.json has no log as that of robot 4"),
-        (
-            {"robots": [{"number": 4 - k, "log": f"robot-{k}.log"} for k in range(5)]},
-            "robot 0: not of this recording: swarm.json has robot-4.log as that of robot 0",
-        ),
-        (
-            {"robots": [*ROBOTS[:4], ROBOTS[4] | {"w": 0.9}]},
-            "robot 4: not of this recording: its log has w = 0.8, and swarm.json 0.9",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("more", "says"), [
+    ({"started": BEGUN, "ended": BEGUN + 4000}, ""),
+    ({"started": BEGUN + 30_000, "ended": None}, "the recording was not finished"),
+    ({"started": BEGUN + DAY, "ended": None}, AWAY + "on 2023-11-15"),
+    ({"started": BEGUN - DAY, "ended": BEGUN - DAY + 4000}, AWAY + "ended on 2023-11-13"),
+    ({"robots": ROBOTS[:4]}, "robot 4: not of this recording: swarm.json has no log as that of robot 4"),
+    (
+        {"robots": [{"number": 4 - k, "log": f"robot-{k}.log"} for k in range(5)]},
+        "robot 0: not of this recording: swarm.json has robot-4.log as that of robot 0",
+    ),
+    (
+        {"robots": [*ROBOTS[:4], ROBOTS[4] | {"w": 0.9}]},
+        "robot 4: not of this recording: its log has w = 0.8, and swarm.json 0.9",
+    ),
+])  # fmt: skip
 def test_numbers_times_and_sensors_are_those_of_the_swarm(day, capsys, more, says):
     folder, tell = day
     tell(**more)
@@ -78,19 +75,16 @@ def test_another_brains_file_is_named_once_and_only_where_states_differ(day, cap
     assert [robot["breaks"][0]["field"] for robot in robots] == ["the number of its parameters"] * 5
 
 
-@pytest.mark.parametrize(
-    ("wrong", "expected"),
-    [
-        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, 'robots[0].number = "1": should be a whole number'),
-        ({"started": "yesterday"}, 'started = "yesterday": should be a valid number'),
-        ({"ended": [1]}, "ended = [1]: should be a valid number"),
-        ({"started": float("inf")}, "started = inf: should be less than"),
-        ({"brain": {"file": "../brain.py"}}, 'brain.file = "../brain.py"'),
-        ({"brain": {"file": "/etc/passwd"}}, 'brain.file = "/etc/passwd"'),
-        ({"brain": {"file": "b\0.py"}}, "should be the name of a file in the folder"),
-        ({"brain": {"file": "brain.py", "parameters": [1]}}, "brain.parameters = [1]: should be a table"),
-    ],
-)
+@pytest.mark.parametrize(("wrong", "expected"), [
+    ({"robots": [{"number": "1", "log": "robot-1.log"}]}, 'robots[0].number = "1": should be a whole number'),
+    ({"started": "yesterday"}, 'started = "yesterday": should be a valid number'),
+    ({"ended": [1]}, "ended = [1]: should be a valid number"),
+    ({"started": float("inf")}, "started = inf: should be less than"),
+    ({"brain": {"file": "../brain.py"}}, 'brain.file = "../brain.py"'),
+    ({"brain": {"file": "/etc/passwd"}}, 'brain.file = "/etc/passwd"'),
+    ({"brain": {"file": "b\0.py"}}, "should be the name of a file in the folder"),
+    ({"brain": {"file": "brain.py", "parameters": [1]}}, "brain.parameters = [1]: should be a table"),
+])  # fmt: skip
 def test_wrong_values_of_swarm_json_are_refused(day, refused, wrong, expected):
     folder, tell = day
     tell(**wrong)
@@ -126,16 +120,13 @@ def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys
 APART = {"name": "pair", "edges": [[2, 3]]}
 
 
-@pytest.mark.parametrize(
-    ("topology", "more", "kept", "says"),
-    [
-        ("ring", {}, 30, "ticks 31 on are not in the log: another robot heard it in its tick 60"),
-        (APART, {}, 30, "ticks 31 on are not in the log: it ends 30 ticks before the last log"),
-        (APART, {"now": False}, 30, ""),  # it may have begun later
-        ("ring", {}, 57, ""),
-        ("ring", {"first": 65_500}, 30, "ticks 65531 on are not in the log: another robot heard it in its tick 65,560"),
-    ],
-)
+@pytest.mark.parametrize(("topology", "more", "kept", "says"), [
+    ("ring", {}, 30, "ticks 31 on are not in the log: another robot heard it in its tick 60"),
+    (APART, {}, 30, "ticks 31 on are not in the log: it ends 30 ticks before the last log"),
+    (APART, {"now": False}, 30, ""),  # it may have begun later
+    ("ring", {}, 57, ""),
+    ("ring", {"first": 65_500}, 30, "ticks 65531 on are not in the log: another robot heard it in its tick 65,560"),
+])  # fmt: skip
 def test_a_log_without_its_end_is_named_by_others(tmp_path, capsys, topology, more, kept, says):
     """No count is known; robot 1 was cut between two blocks, or stopped for itself."""
     folder = tmp_path / "day"

@@ -204,22 +204,19 @@ def test_robots_that_do_not_come_are_named(tmp_path, monkeypatch, caplog):
     assert caplog.messages == ["waiting for robots 3, 4"]
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ("--on robots.toml --trial 3", "--trial 3 is for processes: it does not go with --on"),
-        ("--on robots.toml --set robots=4", "--set is for processes"),
-        ("--on robots.toml --hz 5", "--hz 5 is for processes"),
-        ("--on robots.toml --set fill_ratio=2", "world.fill_ratio = 2: should be"),
-        ("--duration 3s", "--duration goes with --on"),
-        ("--on nothing.toml", "nothing.toml: there is no such file"),
-        ("--on robots.toml --host 10.1.2.3.4:1", "--host 10.1.2.3.4"),
-        ("--on robots.toml --host foo:bar", "--host foo:bar: should be an address"),
-        ("--on robots.toml --host usb", "--host usb: robot 1 has no port in the file of robots"),
-        ("--on robots.toml --host /dev/null", "serial port /dev/null: it is no serial port"),
-        ("--on robots.toml --host /dev/nothing", "serial port /dev/nothing: No such file"),
-    ],
-)
+@pytest.mark.parametrize(("words", "says"), [
+    ("--on robots.toml --trial 3", "--trial 3 is for processes: it does not go with --on"),
+    ("--on robots.toml --set robots=4", "--set is for processes"),
+    ("--on robots.toml --hz 5", "--hz 5 is for processes"),
+    ("--on robots.toml --set fill_ratio=2", "world.fill_ratio = 2: should be"),
+    ("--duration 3s", "--duration goes with --on"),
+    ("--on nothing.toml", "nothing.toml: there is no such file"),
+    ("--on robots.toml --host 10.1.2.3.4:1", "--host 10.1.2.3.4"),
+    ("--on robots.toml --host foo:bar", "--host foo:bar: should be an address"),
+    ("--on robots.toml --host usb", "--host usb: robot 1 has no port in the file of robots"),
+    ("--on robots.toml --host /dev/null", "serial port /dev/null: it is no serial port"),
+    ("--on robots.toml --host /dev/nothing", "serial port /dev/nothing: No such file"),
+])  # fmt: skip
 def test_wrong_options_are_refused(here, refused, words, says):
     (here / "robots.toml").write_text("robots = [{number = 1, b = 0.9, w = 0.8}]")
     assert says in refused("swarm", "commons", *words.split())

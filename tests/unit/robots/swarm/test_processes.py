@@ -175,18 +175,15 @@ def test_nothing_is_left_behind(tmp_path, by):
     assert len(read_log(tmp_path / "out" / "robot-0.log").ticks) > 30
 
 
-@pytest.mark.parametrize(
-    ("table", "says"),
-    [
-        ({"do": "kil"}, "did you mean 'kill'"),
-        ({}, "should have either stop, or, for processes, do"),
-        ({"do": "kill", "robots": {"named": [20]}}, "there are 20 robots, numbered from 0"),
-        ({"do": "kill", "blank": True}, 'blank goes with do = "restart"'),
-        ({"do": "restart", "until": 9}, 'until does not go with do = "restart"'),
-        ({"do": "cut", "robots": 20}, "these are all robots"),
-        ({"do": "kill", "at": 500}, "comes after the last round"),
-    ],
-)
+@pytest.mark.parametrize(("table", "says"), [
+    ({"do": "kil"}, "did you mean 'kill'"),
+    ({}, "should have either stop, or, for processes, do"),
+    ({"do": "kill", "robots": {"named": [20]}}, "there are 20 robots, numbered from 0"),
+    ({"do": "kill", "blank": True}, 'blank goes with do = "restart"'),
+    ({"do": "restart", "until": 9}, 'until does not go with do = "restart"'),
+    ({"do": "cut", "robots": 20}, "these are all robots"),
+    ({"do": "kill", "at": 500}, "comes after the last round"),
+])  # fmt: skip
 def test_wrong_faults_are_refused_in_a_sentence(table, says):
     fault = {"at": 5, "robots": {"named": [3]}} | table
     first = {"at": 50, "robots": {"named": [3]}, "do": "kill"}
@@ -220,20 +217,17 @@ def test_faults_in_order_and_of_the_simulator_s_robots():
     assert [k for k in range(20) if not heard_by[k]] == sorted(failing[1])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (["commons", "--hz", "0.0009"], "--hz 0.0009: should be ticks a second, from 0.001 to 500"),
-        (["commons", "--hz", "501"], "--hz 501: "),
-        (["commons", "--delay", "5"], "--delay 5"),
-        (["commons", "--duplicate", "1"], "--duplicate 1"),
-        (["commons", "--set", "topology=moving"], "a swarm of processes needs a fixed network"),
-        (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
-        (["commons", "--set", "robots=5000"], "1,000 processes"),
-        (["commons", "--setting", "1"], "swarm has 1 setting, numbered from 0"),
-        (["oracle"], "is a bound"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "says"), [
+    (["commons", "--hz", "0.0009"], "--hz 0.0009: should be ticks a second, from 0.001 to 500"),
+    (["commons", "--hz", "501"], "--hz 501: "),
+    (["commons", "--delay", "5"], "--delay 5"),
+    (["commons", "--duplicate", "1"], "--duplicate 1"),
+    (["commons", "--set", "topology=moving"], "a swarm of processes needs a fixed network"),
+    (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
+    (["commons", "--set", "robots=5000"], "1,000 processes"),
+    (["commons", "--setting", "1"], "swarm has 1 setting, numbered from 0"),
+    (["oracle"], "is a bound"),
+])  # fmt: skip
 def test_wrong_options_are_refused_in_a_sentence(refused, arguments, says):
     assert says in refused("swarm", *arguments)
 
@@ -270,8 +264,6 @@ def test_all_states_of_a_mixed_swarm_are_replayed(tmp_path, benchmark, number):
 
 
 # ---- what is not believed or taken
-
-
 def test_reports_without_the_token_are_ignored():
     assert read_report(b"secret 2 1 40000 0", "secret").port == 40000
     assert read_report(b"secret 2 1 40000 3 7 0 0.5 9 2 3 4 5 6 7 8 9", "secret").ticks == 9

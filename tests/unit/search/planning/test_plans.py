@@ -62,11 +62,9 @@ def share_right(minutes, robots, trials=400, **world):
 
 
 @pytest.mark.long(only=["moving"])
-@pytest.mark.parametrize(
-    ("tables", "world"),
-    [(RING, {"topology": "ring"}), (YARD, {"topology": "moving", "side": 1.5})],
-    ids=["ring", "moving"],
-)
+@pytest.mark.parametrize(("tables", "world"), [
+    (RING, {"topology": "ring"}), (YARD, {"topology": "moving", "side": 1.5})
+], ids=["ring", "moving"])  # fmt: skip
 def test_the_found_time_is_right_in_other_trials(tables, world):
     """Its interval errs in one plan of 20, and the share of 400 other trials by 0.02 in one of some hundred."""
     [row] = sc.plan(tables, **QUIET).needs
@@ -133,13 +131,10 @@ def back_and_forth(rng, rounds, trials):
     return (np.abs(estimates) <= HALF).astype(float)
 
 
-@pytest.mark.parametrize(
-    ("draw", "true"),
-    [
-        (for_good, lambda n: 1 - 0.05 ** (n / 100)),
-        (back_and_forth, lambda n: Goal(Wanted(error=HALF)).normal_share(n**-0.5, 0.5)),
-    ],
-)
+@pytest.mark.parametrize(("draw", "true"), [
+    (for_good, lambda n: 1 - 0.05 ** (n / 100)),
+    (back_and_forth, lambda n: Goal(Wanted(error=HALF)).normal_share(n**-0.5, 0.5)),
+])  # fmt: skip
 def test_planned_times_are_right_on_average(draw, true):
     """The first time with enough in 60 trials would be 1.1 and 1.7 points short.
 
@@ -283,8 +278,6 @@ def test_smallest_swarms_are_right_on_average():
 
 
 # ---- plans with liars, several networks, densities and accuracies: each world apart, the worst of what is not known
-
-
 PLAIN = RING | {"swarm": {"robots": 10, "accuracy": 0.7}}
 
 
@@ -397,8 +390,6 @@ def test_liars_may_do_most_harm_inside_the_range():
 
 
 # ---- theory's starts of a plan: against brute force, exact laws and the limits that they must keep
-
-
 def mission(**values):
     given = {"side": 3, "accuracy": 0.7, "robots": 10}
     given |= {} if "right" in values else {"error": 0.05}

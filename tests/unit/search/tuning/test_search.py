@@ -327,8 +327,6 @@ def test_threads_change_nothing_and_python_keeps_no_files(args, tmp_path):
 
 
 # ---- the log of a search is a results file of its own: what `show` and `plot` make of it, also while the search runs
-
-
 @pytest.fixture(scope="module")
 def log_of(tmp_path_factory):
     """A search with three generations, and the folder of its log, which is t.csv."""
@@ -423,16 +421,13 @@ def test_the_command_draws_it_also_while_the_search_is_at_work(log, accepted):
     assert len(json.loads(accepted("show", "t.csv", "--json").out)["rows"]) == 17
 
 
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("plot t.csv --kind curves", "lines and scatter draw candidates"),
-        ("compare t.csv", "t.csv is the log of a search"),
-        ("show t.csv --sort lost", "did you mean 'loss'"),
-        ("plot t.csv --x b", "--x b: the coordinates that vary here are a, "),
-        ("show head.csv", "head.csv: has no evaluation"),
-    ],
-)
+@pytest.mark.parametrize(("command", "said"), [
+    ("plot t.csv --kind curves", "lines and scatter draw candidates"),
+    ("compare t.csv", "t.csv is the log of a search"),
+    ("show t.csv --sort lost", "did you mean 'loss'"),
+    ("plot t.csv --x b", "--x b: the coordinates that vary here are a, "),
+    ("show head.csv", "head.csv: has no evaluation"),
+])  # fmt: skip
 def test_what_a_log_has_not_is_refused(command, said, log, refused):
     Path("head.csv").write_bytes(b"".join(log.read_bytes().splitlines(keepends=True)[:1]))
     assert said in refused(*command.split())

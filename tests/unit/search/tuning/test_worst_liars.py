@@ -99,18 +99,15 @@ def test_a_liar_that_does_no_more_harm_is_reported(here):
 MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "changed", "said"),
-    [
-        ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
-        ("", "", ["--adversary", "always-white"], "--adversary always-white"),
-        ("", "", ["--parameter", "share=0:1"], "there is no 'share': the adversary 'bump.py' has at, idle"),
-        ("", "", ["--budget", "5"], "--budget 5"),
-        ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
-        ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members [0, 1] have it, and a search"),
-        ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("old", "new", "changed", "said"), [
+    ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
+    ("", "", ["--adversary", "always-white"], "--adversary always-white"),
+    ("", "", ["--parameter", "share=0:1"], "there is no 'share': the adversary 'bump.py' has at, idle"),
+    ("", "", ["--budget", "5"], "--budget 5"),
+    ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
+    ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members [0, 1] have it, and a search"),
+    ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
+])  # fmt: skip
 def test_what_cannot_be_is_one_sentence(old, new, changed, said, here, refused):
     Path("s.toml").write_text(STUDY.replace(old, new) if old else STUDY)
     assert said in refused(*TUNE[:2], *with_usual(changed, TUNE[2:]), *AT)
