@@ -241,5 +241,4 @@ def test_the_weights_are_those_that_the_search_found():
     assert "over all 16 worlds: better in 89%" in said
     line, _ = found("recurrent-debiased")
     unseen = tomllib.loads((STUDIES / "recurrent-unseen.toml").read_text(encoding="utf-8"))
-    assert unseen["swarm"]["brain"][1] == line
-    assert NET.parameters["debiased"] == 0.0
+    assert (unseen["swarm"]["brain"][1], NET.parameters["debiased"]) == (line, 0.0)

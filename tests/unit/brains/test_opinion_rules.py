@@ -124,11 +124,9 @@ NONE = 0.5
 def test_what_becomes_of_an_opinion(name, own, heard, adopted):
     me, rule = telling(name, miscommunication=0.0, asocial=0.0)
     me.opinion = float(own)
-    assert (rule.broadcast(me) is None) == (own == NONE)
-    assert rule.decide(me) == (-1.0 if own == NONE else own)
+    assert (rule.broadcast(me) is None, rule.decide(me)) == (own == NONE, -1.0 if own == NONE else own)
     rounds(me, rule, [] if heard is None else [(float(heard),)])
-    assert me.opinion == adopted
-    assert rule.estimate(me) == adopted
+    assert (me.opinion, rule.estimate(me)) == (adopted, adopted)
     assert rule.broadcast(me) is None
 
 
@@ -196,8 +194,7 @@ def test_dancing_listening_and_waiting(name):
     rounds(me, rule, count=4)
     assert me.steps == 2.0
     rounds(me, rule, count=6)
-    assert me.steps == 0.0
-    assert rule.broadcast(me)[0] == 0.0
+    assert (me.steps, rule.broadcast(me)[0]) == (0.0, 0.0)
     rounds(me, rule, count=5)  # it has heard nobody
     assert me.steps == 3.0
     rounds(me, rule, count=15)
@@ -210,8 +207,7 @@ def test_dancing_listening_and_waiting(name):
     rounds(me, rule, [said, (1.0, *said[1:])], count=5)  # a dancer among them
     assert me.steps == 3.0
     if name == "weighted-voter":
-        assert rule.decide(me) == 4.0
-        assert rule.estimate(me) == 0.45
+        assert (rule.decide(me), rule.estimate(me)) == (4.0, 0.45)
 
 
 @pytest.mark.parametrize("name", DANCERS)

@@ -140,8 +140,7 @@ def test_a_mixed_swarm_is_a_ring_and_lies_below():
     (ax,) = figures.scatter(results).axes
     lines = {line.get_label(): line for line in ax.lines}
     ring, dot = lines["median U(0.5,0.9)"], lines["median 0.6"]
-    assert ring.get_markerfacecolor() == "none"
-    assert dot.get_markerfacecolor() == palette(1)[0]
+    assert (ring.get_markerfacecolor(), dot.get_markerfacecolor()) == ("none", palette(1)[0])
     assert lines["dots U(0.5,0.9)"].get_zorder() < lines["dots 0.6"].get_zorder()
 
 
@@ -171,8 +170,7 @@ def test_the_axis_of_convergence_begins_where_the_data_do():
     assert 900 < ax.get_xlim()[0] < 950 < 1000 < ax.get_xlim()[1] < 1010
     late["convergence_round"][0, :, :4] = 20
     (ax,) = figures.scatter(late).axes
-    assert ax.get_xscale() == "asinh"
-    assert ax.get_xlim()[0] == 20
+    assert (ax.get_xscale(), ax.get_xlim()[0]) == ("asinh", 20)
 
 
 def test_medians_have_their_names_where_there_is_room():
@@ -318,8 +316,7 @@ def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     results["convergence_round"][1] = 0  # accuracy 0.9, f = 0.55
     figure = figures.heatmap(results)
     _, rounds = figure.axes
-    assert len(rounds.texts) == 5
-    assert np.isnan(rounds.images[0].get_array().filled(np.nan)).sum() == 1
+    assert (len(rounds.texts), np.isnan(rounds.images[0].get_array().filled(np.nan)).sum()) == (5, 1)
     best = {text for text in texts(figure).split("\n") if text.endswith(" best")}
     assert len(best - {"0 best"}) == 2  # a colour bar for each measure
     assert "grey: robots never learnt (K = 0)" in figures.caption(figure)

@@ -205,8 +205,7 @@ def test_any_variable_that_has_trials_is_drawn_with_its_unit():
     results["battery_used"] = (("setting", "trial"), rng.gamma(2, 10, (3, 12)), {"units": "J", "long_name": "used"})
     figure = sc.plot.lines(results, y="battery_used")
     (ax,) = figure.axes
-    assert ax.get_ylabel() == "battery used, median (J)"
-    assert ax.get_xlabel() == "robots $N$"
+    assert (ax.get_ylabel(), ax.get_xlabel()) == ("battery used, median (J)", "robots $N$")
     assert ax.get_xscale() == "log"
     (line,) = (line for line in ax.lines if line.get_label() == "line ")
     np.testing.assert_allclose(line.get_ydata(), results["battery_used"].median("trial"))

@@ -110,8 +110,7 @@ def test_fixed_controls_and_frames(recording):
     assert begun["form"]["name"] == "day"
     assert {"robots", "accuracy", "seed", "brain"} <= set(begun["form"]["fixed"])
     frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 5, "step": 1, "count": 3}))
-    assert parsed(frames)["ticks"].tolist() == [5, 6, 7]
-    assert end["frames"] == 3
+    assert (parsed(frames)["ticks"].tolist(), end["frames"]) == ([5, 6, 7], 3)
     [refused] = session.answer(json.dumps({"id": 3, "do": "begin", "ask": {"robots": "9"}}))
     assert refused["error"] == "robots = 9: this recording is as its logs have it: nothing can be chosen"
 
@@ -187,8 +186,7 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path):
     np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
     for robot in range(6):
         one, other = robot_of(show, 20, robot), robot_of(simulated, 20, robot)
-        assert one["fields"] == other["fields"]
-        assert one["brain"] == other["brain"]
+        assert (one["fields"], one["brain"]) == (other["fields"], other["brain"])
 
 
 def test_own_brain_comes_from_the_folder_of_logs(here):

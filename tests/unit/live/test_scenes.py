@@ -235,8 +235,7 @@ def test_what_cannot_be_watched_is_refused(small_results):
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
     told = robot_of(show_of({"brain": "minimalistic", "topology": "ring", "robots": "7"}), 12, 3)
-    assert told["heard_at"] == 12
-    assert [one["from"] for one in told["heard"]] == [2, 4]
+    assert (told["heard_at"], [one["from"] for one in told["heard"]]) == (12, [2, 4])
     beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
     assert told["fields"]["beta"] == pytest.approx(beta, rel=1e-12)
     assert told["fields"]["x_bar"] == pytest.approx(sum(o["said"]["heard_x"] for o in told["heard"]) / beta, rel=1e-12)
@@ -359,8 +358,7 @@ def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
     assert len(np.unique(places.round(4), axis=0)) == scene["robots"]
     assert places.min() > 0.0
     assert places.max() < 1.0
-    assert scene["crowd"] == crowd
-    assert scene["wraps"] == (asked["topology"] == "torus")
+    assert (scene["crowd"], scene["wraps"]) == (crowd, asked["topology"] == "torus")
     apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2) + 9.0 * np.eye(len(places))
     assert crowd or scene["room"] == pytest.approx(np.median(apart.min(axis=1)), abs=1e-5)
 

@@ -38,8 +38,7 @@ def test_schema(small_results):
 
 def test_provenance(small_results, small_study):
     attributes = small_results.attrs
-    assert attributes["study"] == small_study.text
-    assert attributes["seed"] == 7
+    assert (attributes["study"], attributes["seed"]) == (small_study.text, 7)
     assert attributes["swarmcensus_version"] == sc.__version__
     assert "numba" in attributes["library_versions"]
     assert json.loads(attributes["brains"])["minimalistic"]["sha256"] == brains.load("minimalistic").sha256

@@ -385,8 +385,7 @@ def test_half_a_trial_is_not_merged(files):
     half.attrs["trials_done"] = half.sizes["setting"]
     merged = sc.merge([half])
     assert not (merged["convergence_round"].values[:, 1] >= 0).any()
-    assert merged.attrs["trials_done"] == half.sizes["setting"]
-    assert sc.verify(merged, 1.0).labels == []
+    assert (merged.attrs["trials_done"], sc.verify(merged, 1.0).labels) == (half.sizes["setting"], [])
 
 
 def test_a_round_trip_changes_no_type(files, tmp_path):

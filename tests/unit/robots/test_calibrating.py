@@ -304,8 +304,7 @@ def test_a_study_has_measured_sensors(robots, here):
     assert b[:, 0].std() == pytest.approx(0.01, rel=0.25)
     assert (b[:, 1::2] == 0.7).all()
     assert (w[:, 1::2] == 0.75).all()
-    assert sc.verify(results).code == 0
-    assert second.assumed_accuracy.black.numbers == (0.9,)
+    assert (sc.verify(results).code, second.assumed_accuracy.black.numbers) == (0, (0.9,))
 
 
 def test_a_plan_has_what_the_uncertainty_adds(robots, here):

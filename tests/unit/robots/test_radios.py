@@ -131,13 +131,11 @@ network.WLAN.connected = True
 live(5)
 """
     space = on_a_failing_board(tmp_path, "udp", script, monkeypatch)
-    assert space["first"] == [("disconnect", 0), ("connect", 0)]
-    assert space["second"] == [("connect", 0)]
+    assert (space["first"], space["second"]) == ([("disconnect", 0), ("connect", 0)], [("connect", 0)])
     assert space["joined"] == [("pm", 0, 0)]
     assert space["lost"] == space["late"] == [("connect", 0)]
     robot = space["robot"]
-    assert robot.ticks == 224
-    assert robot.radio_faults == space["faults"] + 2 * 4
+    assert (robot.ticks, robot.radio_faults) == (224, space["faults"] + 2 * 4)
     robot.radio.socket.close()
 
 

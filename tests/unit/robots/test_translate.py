@@ -173,8 +173,7 @@ def test_kinds_do_not_depend_on_the_order_of_functions():
     source = BRAIN.replace("def observe", f"{HELPER}def observe").replace("FUSE", "    me.x = helper(me, 3)")
     kinds = parse(source, "trying", Path("trying.py")).kinds
     assert kinds.names["helper"] == {"me": RECORD, "k": WHOLE}
-    assert kinds.names["estimate"] == {"me": RECORD}
-    assert kinds.names["deeper"] == {"k": WHOLE}
+    assert (kinds.names["estimate"], kinds.names["deeper"]) == ({"me": RECORD}, {"k": WHOLE})
 
 
 HELPER = """def helper(me, k):

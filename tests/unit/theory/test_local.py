@@ -111,8 +111,7 @@ def test_information_is_expected_curvature(b, w, f):
 
 def test_bounds_by_hand():
     """b = w = 0.75 at f = 0.5: q = 1/2, k = 1/2, so a reading tells 1."""
-    assert theory.information(0.5, 0.75) == 1.0
-    assert theory.swarm_bound(100, 0.5, 0.75) == 0.01
+    assert (theory.information(0.5, 0.75), theory.swarm_bound(100, 0.5, 0.75)) == (1.0, 0.01)
     np.testing.assert_allclose(theory.swarm_bound([1, 100], 0.5, 0.75, robots=4), [0.25, 0.0025])
     hears = [[1, 1, 0], [1, 1, 1], [0, 1, 0]]  # a robot hears itself, whatever the matrix says
     np.testing.assert_allclose(theory.neighbourhood_bound(hears, 10, 0.5, 0.75), [1 / 20, 1 / 30, 1 / 20])
@@ -131,8 +130,7 @@ def test_unequal_sensors_add_up_what_they_tell():
 
 
 def test_perfect_sensors_and_blind_ones():
-    assert theory.information(0.0, 1.0) == np.inf
-    assert theory.swarm_bound(5, 0.0, 1.0) == 0.0
+    assert (theory.information(0.0, 1.0), theory.swarm_bound(5, 0.0, 1.0)) == (np.inf, 0.0)
     assert theory.swarm_bound(5, 0.4, 1.0) == pytest.approx(0.4 * 0.6 / 5)
     assert theory.swarm_bound(5, 0.4, 0.5) == np.inf
     assert theory.swarm_bound(5, 0.4, [0.5, 0.5]) == np.inf

@@ -227,8 +227,7 @@ def test_a_claim_holds_in_the_papers_world_and_in_part_with_a_wrong_setting(name
     outcome = verdict(name, FAILING[name])
     assert outcome.verdict == PARTLY
     assert 1 <= outcome.count(NO) < len(outcome.details)
-    assert outcome.worst.verdict == NO
-    assert outcome.explanation == KNOWN[name].explanation
+    assert (outcome.worst.verdict, outcome.explanation) == (NO, KNOWN[name].explanation)
 
 
 @pytest.mark.parametrize("name", sorted(set(FAILING) - {"full-agrees"}))
@@ -270,13 +269,11 @@ def test_there_is_no_order_where_all_are_the_same():
 def test_swarms_that_never_settle_are_in_no_order():
     """Of two that settle in the last tenth of a run the order of K says nothing; of one there is no doubt."""
     late = verdict("denser-first", only(lambda accuracy, **_: accuracy == "0.525", K=3))
-    assert late.verdict == HOLDS
-    assert len(late.details) == 20
+    assert (late.verdict, len(late.details)) == (HOLDS, 20)
     assert "of the run: 2 of 22 settings (D = 10" in late.note
     assert "D = 10 / D = 1, 0.525, f = 0.55; D = 10 / D = 1, 0.525, f = 0.95" in late.note
     slower = verdict("denser-first", only(mover("0.525"), K=4))
-    assert len(slower.details) == 22
-    assert slower.count(NO) == 1
+    assert (len(slower.details), slower.count(NO)) == (22, 1)
 
 
 def test_moving_robots_are_compared_after_as_many_observations():

@@ -114,8 +114,7 @@ def test_crashed_robot_is_reported(tmp_path):
     [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]
     os.kill(int(pid), signal.SIGKILL)
     told = json.loads(process.communicate()[0])
-    assert process.returncode == 1
-    assert told["died"] == {"1": "signal 9"}
+    assert (process.returncode, told["died"]) == (1, {"1": "signal 9"})
     assert told["at_work"] == 2  # one is stopped
 
 

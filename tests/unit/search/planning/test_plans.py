@@ -89,8 +89,7 @@ def test_smallest_swarm_suffices_in_other_trials():
 def test_two_numbers_ask_whether_they_are_enough():
     for minutes, answer in ((0.05, "not reached"), (5, "reached")):
         found = sc.plan(RING, set={"minutes": minutes}, **QUIET)
-        assert found.question == "enough"
-        assert [row.answer for row in found.needs] == [answer]
+        assert (found.question, [row.answer for row in found.needs]) == ("enough", [answer])
 
 
 def test_what_is_asked_follows_from_what_is_given():
@@ -307,8 +306,7 @@ def test_which_brains_are_compared_depends_on_liars():
     lying = mission_of(changed(members=liars(0.1)))
     told = [[b.name for b in mission.study.swarm.brain] for mission in (mission_of(PLAIN), lying)]
     assert told == [["commons", "minimalistic"], ["steadfast", "minimalistic"]]
-    assert [lie.name for lie in lying.lies] == ["shouter"]
-    assert mission_of(PLAIN).lies == []
+    assert ([lie.name for lie in lying.lies], mission_of(PLAIN).lies) == (["shouter"], [])
 
 
 @pytest.mark.long
@@ -356,8 +354,7 @@ def test_a_figure_has_a_line_a_brain_and_world():
     found = sc.plan(changed(topology=["ring", "full"], robots={"choose": [5, 6]}, trials=40), **QUIET)
     [axes] = draw_plan(found).axes[:1]
     lines = [line for line in axes.get_lines() if line.get_linestyle() == "-" and line.get_marker() in ("None", None)]
-    assert len(lines) == 4
-    assert len({line.get_color() for line in lines}) == 4
+    assert (len(lines), len({line.get_color() for line in lines})) == (4, 4)
     for line in lines:
         assert len(line.get_xdata()) == 2
 

@@ -161,8 +161,7 @@ def test_a_quadratic_penalty_is_found(tmp_path):
     asked = ["a=0:1", "pair[0]=0:1", "pair[1]=0:1", "many=0:10:whole"]
     found = sc.tune(study, asked, budget=800, trials=1)
     assert found.values == pytest.approx({"a": 0.6, "pair[0]": 0.25, "pair[1]": 0.5, "many": 3}, abs=0.01)
-    assert found.values["many"] == 3
-    assert found.verdict == "better"
+    assert (found.values["many"], found.verdict) == (3, "better")
     assert found.brain.parameters["pair"] == (found.values["pair[0]"], found.values["pair[1]"])
 
 
@@ -190,8 +189,7 @@ def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
     assert len(found.evaluations) == 97
     assert {one.loss for one in found.evaluations[:13]} == {1.0}  # as it was, and all of the first generation
     assert abs(found.values["a"] - 0.6) < 0.316
-    assert found.verdict == "better"
-    assert len(found.evaluations[0].losses) == 1 + companion
+    assert (found.verdict, len(found.evaluations[0].losses)) == ("better", 1 + companion)
 
 
 def test_swarm_is_tuned_to_agree(tmp_path):
@@ -225,8 +223,7 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     assert len(found.evidence.comparison.contenders) == 2
     data = sc.load(tmp_path / "t.nc")
     assert data.sizes["setting"] == 4
-    assert sorted(set(data["brain"].values)) == ["minimalistic", "tunable.py"]
-    assert data.attrs["seed"] == 1
+    assert (sorted(set(data["brain"].values)), data.attrs["seed"]) == (["minimalistic", "tunable.py"], 1)
     assert "with the study's other brains" in " ".join(found.sentences)
     kept = [0.1, 0.3, found.values["a"]]
     assert sorted(data["a"].values[data["brain"].values == "tunable.py"]) == sorted(kept)
@@ -240,8 +237,7 @@ def test_several_worlds_have_equal_weight_and_are_listed(tmp_path):
     study = study_of(tmp_path, "a = 0.1, noise = 0.02", accuracy="[0.8, 0.9]", seed=3)
     found = sc.tune(study, ["a=0:1"], budget=37, trials=3)
     assert "over all 2 worlds: better in 100%, worse in 0% of trials, p < 0.001" in found.sentences[0]
-    assert [row["accuracy"] for row in found.rows] == ["0.8", "0.9"]
-    assert found.verdict == "better"
+    assert ([row["accuracy"] for row in found.rows], found.verdict) == (["0.8", "0.9"], "better")
     back = sc.tune(study_of(tmp_path, "a = 0.6, noise = 0.02", accuracy="[0.8, 0.9]"), ["a=0:0.3"], budget=37, trials=3)
     assert back.verdict == "worse"
     assert "There is no evidence that its values are worth anything" in back.text
@@ -344,8 +340,7 @@ def log(log_of, here):
 
 def test_the_dataset_has_every_candidate(log_of, log):
     found, data = log_of[0], candidates_in(log)
-    assert data.attrs[SEARCHED] == "final_error"
-    assert data.sizes == {"setting": 37, "trial": 1}
+    assert (data.attrs[SEARCHED], data.sizes) == ("final_error", {"setting": 37, "trial": 1})
     for k, name in enumerate(("a", "idle")):
         assert data[name].values.tolist() == [one.values[k] for one in found.evaluations]
     assert data["loss"].values[:, 0].tolist() == [one.loss for one in found.evaluations]

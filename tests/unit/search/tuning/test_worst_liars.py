@@ -92,8 +92,7 @@ def test_a_liar_that_does_no_more_harm_is_reported(here):
     assert "is better for the swarm than bump.py at=0.6" in found.sentences[0]
     assert "There is no evidence that its values are worth anything" in found.text
     flat = sc.tune("s.toml", ["idle=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
-    assert flat.verdict == "not compared"
-    assert flat.adversary == flat.before
+    assert (flat.verdict, flat.adversary) == ("not compared", flat.before)
 
 
 MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
