@@ -75,8 +75,8 @@ def test_robots_logs_of_a_run_on_each_strip(here, answer):
 
 
 def test_robots_that_differ_and_readings_that_depend_are_said(here, answer):
-    (here / "c.csv").write_text(counts(*[(k, "black", 1000, 700 + 60 * k, 100) for k in range(5)],
-                                       *[(k, "white", 1000, 100, 60) for k in range(5)]))  # fmt: skip
+    rows = [row for k in range(5) for row in ((k, "black", 1000, 700 + 60 * k, 100), (k, "white", 1000, 100, 60))]
+    (here / "c.csv").write_text(counts(*rows))
     found = answer("c.csv", "--width", "0.05", "--out", "robots.toml")
     robots, alone, more, added = found["sentences"]
     assert robots.startswith("robots differ (p < 1e-06, level 1 %)")
@@ -157,12 +157,11 @@ def test_wrong_files_of_robots_are_refused(robots, refused, old, new, says):
     assert "robots.toml" in said
 
 
-@pytest.mark.parametrize(
-    ("target", "file"), [("udp", "settings.py"), ("kilobot", "settings.h"), ("pogobot", "settings.h")]
-)
-def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target, file):
+@pytest.mark.parametrize("target", ["udp", "kilobot", "pogobot"])
+def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target):
     words = ["deploy", "commons", "fleet", "--target", target, "--message", "ratio16", "--robots", "robots.toml"]
     assert main(words) == 0
+    file = "settings.py" if target == "udp" else "settings.h"
     own = {number: (here / "fleet" / f"robot-{number}" / file).read_text() for number in (7, 3)}
     for number, b in ((7, "0.9"), (3, "0.7")):
         assert re.search(rf"\bB (= )?{b}", own[number])
@@ -210,9 +209,7 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
         ([], ["robot 7", "mpremote connect /dev/ttyUSB0 cp", "robot 3", "scp"]),
         (["3"], ["robot 3", "scp"]),
     ):
-        done = subprocess.run(["sh", "fleet/flash.sh", *wanted], env={"PATH": f"{here}:/usr/bin:/bin"},
-                              capture_output=True, text=True, check=True)  # fmt: skip
-        lines = done.stdout.splitlines()
+        lines = flash(["sh", "fleet/flash.sh", *wanted], check=True).stdout.splitlines()
         assert [line[: len(begin)] for line, begin in zip(lines, begins, strict=True)] == begins
         assert "brain.py" in lines[-1]
         assert lines[-1].endswith("robot-3/settings.py pi@10.0.0.3:")
@@ -226,13 +223,8 @@ def test_firmware_comes_first_where_its_file_is_named(robots, here):
     names = {"PATH": f"{here}:/usr/bin:/bin", "FIRMWARE": "esp32.bin"}
     flash = partial(subprocess.run, ["sh", "fleet/flash.sh"], capture_output=True, text=True, check=False)
     lines = flash(env=names | {"OFFSET": "0x1000"}).stdout.splitlines()
-    port = "--port /dev/ttyUSB0"
-    assert lines[1:5] == [
-        f"esptool {port} erase-flash",
-        f"esptool {port} write-flash 0x1000 esp32.bin",
-        "bytes",
-        "sleep 5",
-    ]
+    to = "esptool --port /dev/ttyUSB0"
+    assert lines[1:5] == [f"{to} erase-flash", f"{to} write-flash 0x1000 esp32.bin", "bytes", "sleep 5"]
     assert [line.split()[0] for line in lines[5:]] == ["mpremote", "robot", "scp"]
     for wrong, says in (({}, "such as 0x1000 on an ESP32"), ({"OFFSET": "0", "FIRMWARE": "no.bin"}, "no such file")):
         done = flash(env=names | wrong)
@@ -247,8 +239,8 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
     (here / "robots.toml").write_text(f"robots = [{table}]")
     accepted("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml", "--log", "20000")
     programs(here, mpremote='[ "$4" = :robot.log ] && cp ../"$2" "$5"', scp='cp ../day/robot-1.log "$2"')
-    fetch = partial(subprocess.run, ["sh", "fleet/fetch.sh"], env={"PATH": f"{here}:/usr/bin:/bin"},
-                    capture_output=True, text=True)  # fmt: skip
+    path = {"PATH": f"{here}:/usr/bin:/bin"}
+    fetch = partial(subprocess.run, ["sh", "fleet/fetch.sh"], env=path, capture_output=True, text=True)
     for _ in range(2):  # the same log again is no other one
         assert fetch(check=True).stdout.splitlines()[1::2] == [
             "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.part", "scp pi:robot.log logs/robot-1.part"
@@ -280,16 +272,9 @@ def test_a_study_has_measured_sensors(robots, here):
     """Robot by robot, again from the first where there are more; results need the file no longer."""
     (here / "study.toml").write_text("""
         trials = 200
-        [swarm]
-        robots = 5
-        accuracy = "robots.toml"
-        assumed_accuracy = ["robots.toml", {black = 0.9, white = 0.8}]
-        [world]
-        topology = "full"
-        fill_ratio = 0.5
-        [schedule]
-        rounds = 2
-        observations_per_round = 1
+        swarm = {robots = 5, accuracy = "robots.toml", assumed_accuracy = ["robots.toml", {black = 0.9, white = 0.8}]}
+        world = {topology = "full", fill_ratio = 0.5}
+        schedule = {rounds = 2, observations_per_round = 1}
     """)
     with pytest.raises(sc.InputError, match=r"study file .*: swarm.accuracy = 'no.toml': .*no such file"):
         sc.Study.load(here / "study.toml", {"accuracy": "no.toml"})
@@ -310,13 +295,11 @@ def test_a_study_has_measured_sensors(robots, here):
 def test_a_plan_has_what_the_uncertainty_adds(robots, here):
     """Of two robots the closed form, over 200 trials to a sixth; nothing where robots know their sensors."""
     swarm = {"brain": "commons", "robots": 2, "accuracy": "robots.toml"}
-    world = {"topology": "full", "fill_ratio": 0.5}
+    tables = {"name": "m", "world": {"topology": "full", "fill_ratio": 0.5}, "wanted": {"error": 0.1}}
     found = []
     for assumed in ({}, {"assumed_accuracy": "robots.toml"}):
-        tables = {"name": "m", "swarm": swarm | assumed, "world": world, "wanted": {"error": 0.1}}
-        found += (
-            sc.plan(tables | {"schedule": {"observations_per_round": 1}}, progress=False).frame["calibration"].tolist()
-        )
+        asked = tables | {"swarm": swarm | assumed, "schedule": {"observations_per_round": 1}}
+        found += sc.plan(asked, progress=False).frame["calibration"].tolist()
     b, w, errors = np.array([0.9, 0.7]), np.array([0.8, 0.75]), np.array([[0.01, 0.0], [0.02, 0.0]])
     weights = sc.theory.information(0.5, b, w)
     expected = weights[0] * sc.theory.calibration_error(0.5, b, w, *errors)[0] / weights.sum()
@@ -373,20 +356,17 @@ STRICT = "gcc -std=gnu11 -Wall -Wextra -Werror -I. -DROBOTS=1"
 
 def counted_in_c(folder, target, strips):
     """What the program that counts prints, of readings on both strips."""
+    run = partial(subprocess.run, cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
     if target == "c":
-        subprocess.run(["make", "calibrate"], cwd=folder, check=True)
+        run(["make", "calibrate"])
         runs = [(["./calibrate", "1000", strip], readings) for strip, readings in strips.items()]
     else:
         (folder / "sensor.h").write_text(READ)
         (folder / "debug.h").write_text(KILOLIB)
         given = f"-DTURNS={2000 + BETWEEN[target] + 4} {LIBRARIES[target]} calibrate.c -o counting"
-        subprocess.run([*STRICT.split(), *given.split()], cwd=folder, check=True)
+        run([*STRICT.split(), *given.split()])
         runs = [(["./counting"], [*strips["black"], *[0] * BETWEEN[target], *strips["white"]])]
-    return [
-        subprocess.run(command, cwd=folder, input=" ".join(map(str, readings)), stdout=subprocess.PIPE, text=True,
-                       check=True).stdout
-        for command, readings in runs
-    ]  # fmt: skip
+    return [run(command, input=" ".join(map(str, readings))).stdout for command, readings in runs]
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
