@@ -81,11 +81,8 @@ def test_silence_is_kept_and_parameters_are_known_too():
     (knowing(("n", "nn")), MEANS, "KNOWS of liar.py names 'nn', and the brain has no such field"),
     (knowing(("mod",)), RICH, "and the brain has no such field: did you mean 'mood'?"),
     (knowing(("belief",)), RICH, "KNOWS of liar.py names 'belief', which is a vector of the brain"),
-    (
-        adversary_of(HONEST + "\n\ndef say_belief(me, value):\n    return 1.0\n"),
-        RICH,
-        "say_belief of liar.py returns a number, and belief is a vector of 4",
-    ),
+    (adversary_of(HONEST + "\n\ndef say_belief(me, value):\n    return 1.0\n"), RICH,
+     "say_belief of liar.py returns a number, and belief is a vector of 4"),
 ])  # fmt: skip
 def test_an_unfit_brain_is_refused(lies, source, said):
     with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wrap the brain 'brain\.py': ") as error:
@@ -143,10 +140,8 @@ def said_after(brain, me, blacks):
 
 @pytest.mark.parametrize(("lie", "due"), [
     ({"sleeps": 2.0, "step": 0.05}, lambda me: (me.s, me.v, me.own_s, me.own_v, me.near)),
-    (
-        {"step": 0.05, "own": 0.02, "weight": 3.0},
-        lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v, me.near),
-    ),
+    ({"step": 0.05, "own": 0.02, "weight": 3.0},
+     lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v, me.near)),
     (
         {"lean": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
         lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v, me.near),

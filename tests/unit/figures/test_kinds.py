@@ -61,10 +61,7 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
     ("--kind ranks --x robots", "--kind ranks has no key x: it has "),
     ("--kind scatter --y final_error", "--y final_error: goes with x"),
     ("--kind lines --x robot", "--x robot: did you mean 'robots'? the coordinates that vary here are top"),
-    (
-        "--kind lines --y convergence_eror",
-        "--y convergence_eror: did you mean 'convergence_error'? what is measured",
-    ),
+    ("--kind lines --y convergence_eror", "--y convergence_eror: did you mean 'convergence_error'? what is measured"),
     ("--kind lines --y final_error --option form=columns", "goes with y = correct and x = checkpoint"),
     ("--kind lines --x robots --theory", "--theory: goes with x = checkpoint or x = belief"),
     ("--kind lines --x belief", "all robots of these results know their sensors"),

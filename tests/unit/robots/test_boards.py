@@ -85,10 +85,8 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     ("commons --target kilobot --message float32", "--message ratio16 makes 9 and --message ratio8 makes 8"),
     ("belief-sharing --target kilobot", "no format makes it small enough"),
     ("oracle", "is a bound"),
-    (
-        "commons --target espnow --report 10.0.0.2",
-        "--report 10.0.0.2 does not go with --target espnow: it reports to gateway or usb",
-    ),
+    ("commons --target espnow --report 10.0.0.2",
+     "--report 10.0.0.2 does not go with --target espnow: it reports to gateway or usb"),
     ("commons --target serial --report gateway", "it reports to usb"),
     ("commons --target kilobot --report usb", "it reports to nobody"),
 ])  # fmt: skip
@@ -179,10 +177,8 @@ def test_a_board_of_single_precision_is_compared_in_it(tmp_path, capsys):
     (lambda text: re.sub(r"(commons) \d+", r"\1 7", text), "the brain 'commons' with the mark 7, and the folder"),
     (lambda text: re.sub(r"(\n17 1 memory .*) \S+\n", r"\1\n", text), "has a damaged line: '17 1 memory"),
     (lambda text: re.sub(r"(\n17 1 memory \S\S)", r"\1x", text), "has a damaged line: '17 1 memory"),
-    (
-        lambda text: re.sub(r"(\n17 1 memory (?:\S+ ){3})\S+", rf"\1 {struct.pack('>d', 123.0).hex()}", text),
-        "\nround 17, robot 1, v_rest: 123 on the board, ",
-    ),
+    (lambda text: re.sub(r"(\n17 1 memory (?:\S+ ){3})\S+", rf"\1 {struct.pack('>d', 123.0).hex()}", text),
+     "\nround 17, robot 1, v_rest: 123 on the board, "),
     (lambda text: re.sub(r"(\n17 1 \S+) \S+\n", r"\1 ffff\n", text), "FAIL: 1 messages differ, although all"),
 ])  # fmt: skip
 def test_a_wrong_or_damaged_output_is_found_out(tmp_path, capsys, change, says):

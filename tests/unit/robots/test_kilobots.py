@@ -111,9 +111,8 @@ def built(folder, options="", number=2):
     (folder / "avr" / "eeprom.h").write_text(BOOTS)
     (folder / "host.c").write_text(HARNESS)
     flags = f"-std=gnu11 -O1 -Wall -Wextra -Werror -ffp-contract=off -DNUMBER={number} {options}"
-    subprocess.run(
-        f"gcc {flags} -I. -I{BOARDS} main.c host.c {BOARDS}/no_kilolib.c -lm -o robot".split(), cwd=folder, check=True
-    )
+    command = f"gcc {flags} -I. -I{BOARDS} main.c host.c {BOARDS}/no_kilolib.c -lm -o robot"
+    subprocess.run(command.split(), cwd=folder, check=True)
     return folder
 
 

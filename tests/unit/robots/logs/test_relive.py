@@ -53,16 +53,10 @@ def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
     return swarm.close()
 
 
-FORMATS = [
-    ("commons", "float32", "double"),
-    ("minimalistic", "ratio16", "double"),
-    ("commons", "float16", "single"),
-    ("voter", "float16", "double"),
-    ("sure", "ratio8", "double"),
-]
-
-
-@pytest.mark.parametrize(("brain", "message", "precision"), FORMATS)
+@pytest.mark.parametrize(("brain", "message", "precision"), [
+    ("commons", "float32", "double"), ("minimalistic", "ratio16", "double"), ("commons", "float16", "single"),
+    ("voter", "float16", "double"), ("sure", "ratio8", "double"),
+])  # fmt: skip
 def test_logs_are_lived_again_to_the_bit_as_their_simulation(tmp_path, brain, message, precision):
     formats = {"message": message, "precision": precision}
     study, shown = recorded(tmp_path / "day", brain, **formats)
@@ -175,8 +169,7 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     _, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives if life.number != 2)
     [first] = lives[2].breaks
-    assert (first.boot, first.tick) == (0, 19)
-    assert first.field == "message.s"
+    assert (first.boot, first.tick, first.field) == (0, 19, "message.s")
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
 
 
