@@ -123,14 +123,13 @@ def test_a_jammer_jams_as_often_as_its_parameter_says():
 def test_each_field_is_lied_about_by_what_it_means():
     """3 of 4 are black: x = 0.75, vote 1, bin 3, belief on bin 2, confidence 2, information 1.5; t is said as it is."""
     spare = 1e-6 / 3
-    first = (1.0 - 1e-6, spare, spare, spare)
-    last = first[::-1]
+    first, last = (1.0 - 1e-6, spare, spare, spare), (spare, spare, spare, 1.0 - 1e-6)
     expected = {
         "always-black": (3.0, 1.0, 1.0, 3.0, last, 2.0, 2.0, 4.0),
         "always-white": (3.0, 0.0, 0.0, 0.0, first, 2.0, 0.0, 4.0),
         "opposite": (3.0, 0.25, 0.0, 0.0, (spare, first[0], spare, spare), 2.0, 0.5, 4.0),
         "shouter": (3.0, 0.0, 0.0, 0.0, first, 3000.0, 0.0, 4.0),
-        "forger": (3.0, 1.0, 1.0, 3.0, last, 2.0, 2.0, 4.0),
+        "forger": (own(0.25) * 1e6, 1.0, 1.0, 3.0, last, 2.0, 2.0, 4.0),
         "jammer": (3.0, 0.75, 1.0, 3.0, (spare, spare, first[0], spare), 2.0, 1.5, 4.0),
     }
     for name, told in expected.items():
@@ -138,8 +137,6 @@ def test_each_field_is_lied_about_by_what_it_means():
         me = robot(used, 3, 4)
         me.luck = 0.25
         used.functions.fuse(me)
-        if name == "forger":
-            told = (own(0.25) * 1e6, *told[1:])
         found = used.functions.broadcast(me)
         assert len(found) == 8
         for one, other in zip(found, told, strict=True):
@@ -199,44 +196,19 @@ def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
 
 
 SILENT = {  # the end of a `broadcast` that is silent unless it has seen more than one black
-    "a number": """
-    return maybe(me.n)
-
-
-def maybe(n):
-    return None if n <= 1.0 else (0.75,)
-""",
-    "a number, and the record": """
-    return maybe(me.n, me)
-
-
-def maybe(n, me):
-    if n <= 1.0:
-        return None
-    return (estimate(me),)
-""",
-    "set by turns": """
-    said = None
-    if me.n > 1.0:
-        said = (estimate(me),)
-    return said
-""",
-    "no end": """
-    if me.n > 1.0:
-        return (estimate(me),)
-""",
+    "a number": "return maybe(me.n)\n\n\ndef maybe(n):\n    return None if n <= 1.0 else (0.75,)",
+    "a number, and the record": "return maybe(me.n, me)\n\n\ndef maybe(n, me):\n    if n <= 1.0:\n"
+    "        return None\n    return (estimate(me),)",
+    "set by turns": "said = None\n    if me.n > 1.0:\n        said = (estimate(me),)\n    return said",
+    "no end": "if me.n > 1.0:\n        return (estimate(me),)",
 }
-
-
-def forged(ends):
-    said = ("    return (estimate(me),)", ends)
-    heard = ("    pass\n\n\ndef fuse", "    me.heard += message[0]\n\n\ndef fuse")
-    return wrapped("forger", by=brain(changed(said, heard, ('"n": 0.0}', '"n": 0.0, "heard": 0.0}'))), value=0.25)
 
 
 @pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
 def test_however_silence_is_said_it_is_kept(ends):
-    used = forged(ends)
+    heard = ("    pass\n\n\ndef fuse", "    me.heard += message[0]\n\n\ndef fuse")
+    source = changed(("return (estimate(me),)", ends), heard, ('"n": 0.0}', '"n": 0.0, "heard": 0.0}'))
+    used = wrapped("forger", by=brain(source), value=0.25)
     assert used.uses.silence
     assert used.functions.broadcast(robot(used, 1, 4)) is None
     assert used.functions.broadcast(robot(used, 3, 4)) == (0.25,)
@@ -298,12 +270,8 @@ def test_nobody_wears_an_oracle(capsys):
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_swarms_with_liars_live_as_by_brute_force(name, topology):
     for used in ("minimalistic", brain(RICH)):
-        lived(few_with(name, used, topology))
-
-
-def few_with(name, used, topology):
-    (setting,) = fixed(used, robots=7, rounds=10, looks=2, members=liars(name), topology=topology)
-    return setting
+        (setting,) = fixed(used, robots=7, rounds=10, looks=2, members=liars(name), topology=topology)
+        lived(setting)
 
 
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
@@ -312,15 +280,10 @@ def test_who_hears_a_jammer_hears_nothing(topology, often, delay):
     """With lost messages and parts that fail, one of them a jammer's radio; noise is as late as messages."""
     heard = []
     for robots in (0, 2):
-        (setting,) = fixed(
-            "minimalistic", robots=9, rounds=12, members=liars("jammer", [robots, 3], often=often)[:1],
-            topology=topology, link_success=0.8, faults=FAULTS, message_delay=delay,
-        )[:1]  # fmt: skip
-        if not robots:
-            batch = run_batch(setting, SEED, 1, 1, MEASURE, GO)
-            heard.append(batch.counts[0, HEARD].sum())
-        else:
-            heard.append(lived(setting)[0].counts[0, HEARD].sum())
+        (setting,) = fixed("minimalistic", robots=9, rounds=12, members=liars("jammer", [robots, 3], often=often)[:1],
+                           topology=topology, link_success=0.8, faults=FAULTS, message_delay=delay)[:1]  # fmt: skip
+        batch = lived(setting)[0] if robots else run_batch(setting, SEED, 1, 1, MEASURE, GO)
+        heard.append(batch.counts[0, HEARD].sum())
     assert heard[1] < heard[0]
 
 
@@ -330,10 +293,8 @@ def test_who_hears_a_jammer_hears_nothing(topology, often, delay):
     *(pytest.param(name, True, marks=pytest.mark.interpreted) for name in ("jammer", "slow-liar", "noisy-mirror")),
 ])  # fmt: skip
 def test_on_the_move(name, rich):
-    setting = moving(
-        brain(RICH) if rich else "minimalistic", robots=7, ticks=25, members=liars(name), link_success=0.7,
-        body={"message_delay": 2}, faults=[{"at": 12, "robots": 2, "stop": "talking"}],
-    )  # fmt: skip
+    setting = moving(brain(RICH) if rich else "minimalistic", robots=7, ticks=25, members=liars(name), link_success=0.7,
+                     body={"message_delay": 2}, faults=[{"at": 12, "robots": 2, "stop": "talking"}])  # fmt: skip
     ride, (batch,) = record_ride(setting, SEED, 1), run_ride([setting], SEED, 1, MEASURE, GO)
     life = reference_walks.lives(setting, SEED, 1, failing(setting, 1))
     honest = sampling.groups(setting, SEED, 1, 1)[0] == 0

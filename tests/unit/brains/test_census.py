@@ -215,9 +215,7 @@ def test_noise_is_what_chance_does_to_the_short_ratio(topology, f):
 def test_honest_robots_err_as_the_best_and_without_a_tail(topology):
     """In 19 of 20 trials or more, no robot finds a change where there is none: estimates are the same to the bit."""
     best = "swift" if topology == "ring" else "commons"
-    study = study_of(
-        ["census", NEVER, best], robots=50, accuracy=0.625, rounds=400, trials=20, seed=4, topology=topology
-    )
+    study = study_of(["census", NEVER, best], 50, 0.625, rounds=400, trials=20, seed=4, topology=topology)
     found, never, other = sc.run(study)["final_estimate"].values
     assert (found == never).all(axis=-1).sum() >= 19
     errors, others = abs(found - 0.55), abs(other - 0.55)
@@ -228,8 +226,6 @@ def test_honest_robots_err_as_the_best_and_without_a_tail(topology):
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_all_robots_find_a_change_of_a_fifth(topology):
     change = {"from": 0.55, "to": 0.35, "at": 201}
-    study = study_of(
-        "census", robots=30, accuracy=0.8, rounds=400, trials=20, seed=5, topology=topology, fill_ratio=change
-    )
+    study = study_of("census", 30, 0.8, rounds=400, trials=20, seed=5, topology=topology, fill_ratio=change)
     (found,) = sc.run(study)["final_estimate"].values
     assert abs(found - 0.35).max() < 0.05

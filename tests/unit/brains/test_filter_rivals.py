@@ -106,9 +106,8 @@ def test_every_round_of_kalman_consensus_is_as_the_equations_say(topology, pull,
 @pytest.mark.parametrize("topology", ["full", "ring", "line"])
 @pytest.mark.parametrize("pull", [0.25, 0.9])
 def test_every_round_of_consensus_and_innovations_is_as_the_equation_says(topology, pull):
-    fields, _, blacks, b, w = lived(
-        INNOVATIONS.with_parameters({"pull": pull}), robots=6, accuracy=MIXED, rounds=30, looks=3, topology=topology
-    )
+    fields, _, blacks, b, w = lived(INNOVATIONS.with_parameters({"pull": pull}), robots=6, accuracy=MIXED, rounds=30,
+                                    looks=3, topology=topology)  # fmt: skip
     hears = adjacency(topology, 6)
     many = hears.sum(axis=1)
     x = np.full(6, 0.5)
@@ -201,9 +200,8 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
     """Linear consensus (None) and W-MSR, with liars who speak from the first phase on."""
     phase, looks, robots = 4, 3, 8
     used = (LINEAR if drop is None else WMSR.with_parameters({"drop": drop})).with_parameters({"phase": phase})
-    x, blacks, honest = lived_among(
-        used, robots=robots, rounds=40, looks=looks, topology=topology, members=liars(lying, 0.9)
-    )
+    x, blacks, honest = lived_among(used, robots=robots, rounds=40, looks=looks, topology=topology,
+                                    members=liars(lying, 0.9))  # fmt: skip
     assert honest.sum() == robots - lying
 
     def keeps(own, heard):
@@ -219,10 +217,8 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
 @pytest.mark.parametrize(("says", "gate"), [(0.95, 0.2), (0.6, 0.2), (0.6, 0.05)])
 def test_the_gated_mean_is_as_its_rule_says(says, gate):
     phase, looks, robots = 5, 4, 7
-    x, blacks, honest = lived_among(
-        GATED.with_parameters({"phase": phase, "gate": gate}),
-        robots=robots, rounds=60, looks=looks, topology="full", members=liars(2, says),
-    )  # fmt: skip
+    x, blacks, honest = lived_among(GATED.with_parameters({"phase": phase, "gate": gate}), robots=robots, rounds=60,
+                                    looks=looks, topology="full", members=liars(2, says))  # fmt: skip
     votes = shares(blacks, phase, looks)
     for i in np.flatnonzero(honest):
         counted: list[float] = []

@@ -1,5 +1,6 @@
 """Adversaries that know the brain they wrap: what they say by field, what they read, and what is refused."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -72,8 +73,8 @@ def test_silence_is_kept_and_parameters_are_known_too():
     weighs = brain(MEANS.replace("MEMORY = {", 'PARAMETERS = {"pace": 0.5}\nMEMORY = {'))
     used = brains.lying_brain(knowing(("pace", "n"), "def lie(me, x):\n    return me.pace\n"), weighs)
     assert used.functions.broadcast(robot(used, 3, 4)) == (0.5,)
-    quick = brains.lying_brain(knowing(("pace",), "def lie(me, x):\n    return me.pace\n"),
-                               weighs.with_parameters({"pace": 0.25}))  # fmt: skip
+    lies = knowing(("pace",), "def lie(me, x):\n    return me.pace\n")
+    quick = brains.lying_brain(lies, weighs.with_parameters({"pace": 0.25}))
     assert quick.functions.broadcast(robot(quick, 3, 4)) == (0.25,)
 
 
@@ -119,8 +120,7 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(here, accepted, re
     said = refused("brains", "--show", "knows.py", "--wrapping", "commons")
     assert "cannot wrap the brain 'commons': KNOWS of knows.py names 'n'" in said
     error = refused("brains", "--show", "knows.py")
-    assert "names 'mood'" in error
-    assert error.endswith("no such field: name another brain with --wrapping")
+    assert re.search("names 'mood'.* no such field: name another brain with --wrapping$", error)
 
 
 STEADFAST = brains.load("steadfast")
@@ -142,21 +142,12 @@ def said_after(brain, me, blacks):
     ({"sleeps": 2.0, "step": 0.05}, lambda me: (me.s, me.v, me.own_s, me.own_v, me.near)),
     ({"step": 0.05, "own": 0.02, "weight": 3.0},
      lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v, me.near)),
-    (
-        {"lean": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
-        lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v, me.near),
-    ),
+    ({"lean": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
+     lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v, me.near)),
     ({"from_r": -1.5}, lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s, me.own_v, me.near)),
-    (  # its own readings say more black than r
-        {"from_r": 1.5, "lean": 1.0, "sides": 1.0, "second": 2.0},
-        lambda me: (
-            (me.near - 1.5 * me.error) * me.v,
-            me.v,
-            me.own_s - 0.5 * me.own_v**0.5,
-            me.own_v,
-            me.near - 2 * me.error,
-        ),
-    ),
+    ({"from_r": 1.5, "lean": 1.0, "sides": 1.0, "second": 2.0},  # its own readings say more black than r
+     lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s - 0.5 * me.own_v**0.5, me.own_v,
+                 me.near - 2 * me.error)),
 ])  # fmt: skip
 def test_the_shipped_insider_is_what_its_first_lines_say(lie, due):
     """After a round in which it has read 14 of 20 and a neighbour 12 of 20, as a robot that is honest."""

@@ -81,10 +81,8 @@ def test_nothing_of_a_reading_is_lost_in_single_precision(tmp_path):
 def median_error(name, loss):
     """The median error of 20 robots after a day, on a ring with two neighbours on each side."""
     ring = {"name": "small-world", "neighbours": 4, "rewired": 0.0}
-    study = study_of(
-        name, robots=20, accuracy=0.8, rounds=DAY, looks=1, trials=1, topology=ring, precision="single",
-        link_success=1.0 - loss,
-    )  # fmt: skip
+    study = study_of(name, robots=20, accuracy=0.8, rounds=DAY, looks=1, trials=1, topology=ring, precision="single",
+                     link_success=1.0 - loss)  # fmt: skip
     return np.median(np.abs(sc.run(study)["final_estimate"].values - 0.55))
 
 

@@ -194,10 +194,8 @@ LIARS = {
 def square_errors(brain="steadfast", liar=None, robots=0, rounds=400, fill_ratio=0.55):
     """The root mean square error of honest robots, on a ring and a full network: 40 trials of 20 robots."""
     members = [{"robots": robots, "brain": liar, "honest": False}] if robots else []
-    study = study_of(
-        brain, robots=20, accuracy=0.75, rounds=rounds, trials=40, seed=31, members=members,
-        topology=["ring", "full"] if robots else "full", fill_ratio=fill_ratio,
-    )  # fmt: skip
+    study = study_of(brain, robots=20, accuracy=0.75, rounds=rounds, trials=40, seed=31, members=members,
+                     topology=["ring", "full"] if robots else "full", fill_ratio=fill_ratio)  # fmt: skip
     errors = sc.run(study)["final_estimate"] - 0.55
     return np.sqrt((errors**2).mean(["trial", "robot"])).values
 

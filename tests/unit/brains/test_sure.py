@@ -165,10 +165,8 @@ def test_ground_that_hides_its_changes_is_warned_of():
 
 def covered(alpha, trials, robots, **world):
     brain = {"file": "sure", "alpha": alpha, "within": 1e-9}
-    study = study_of(
-        brain, robots=robots, accuracy=[0.7, "U(0.525, 0.975)"], rounds=120, trials=trials, seed=21,
-        measure={"checkpoints": [40, 120]}, **{"fill_ratio": [0.55, 0.75]} | world,
-    )  # fmt: skip
+    study = study_of(brain, robots=robots, accuracy=[0.7, "U(0.525, 0.975)"], rounds=120, trials=trials, seed=21,
+                     measure={"checkpoints": [40, 120]}, **{"fill_ratio": [0.55, 0.75]} | world)  # fmt: skip
     return sc.run(study)["coverage"].values
 
 
@@ -189,10 +187,8 @@ def test_intervals_hold_as_often_as_they_say(alpha, world):
 
 def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
     """At most alpha of them in each of four cells, by 4 standard errors over 60 trials."""
-    study = study_of(
-        {"file": "sure", "within": 0.06}, robots=16, accuracy=[0.8, 1.0], rounds=504, trials=60, seed=22,
-        fill_ratio=[0.05, 0.55],
-    )  # fmt: skip
+    study = study_of({"file": "sure", "within": 0.06}, robots=16, accuracy=[0.8, 1.0], rounds=504, trials=60, seed=22,
+                     fill_ratio=[0.05, 0.55])  # fmt: skip
     found = sc.run(study)
     stopped = np.isfinite(found["done_estimate"].values)
     off = np.abs(found["done_estimate"] - found["fill_ratio"]).transpose("setting", "trial", "robot").values

@@ -170,11 +170,8 @@ def test_lines_against_liars_begin_at_zero_liars(data):
 
 @pytest.fixture(scope="module")
 def grid():
-    return liars(
-        swarm={"robots": 8, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": CHANGES},
-        members=[{"robots": [0, 2], "brain": "opposite", "honest": False}],
-    )
+    return liars(swarm={"robots": 8, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": CHANGES},
+                 members=[{"robots": [0, 2], "brain": "opposite", "honest": False}])  # fmt: skip
 
 
 @pytest.mark.interpreted

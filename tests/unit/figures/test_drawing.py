@@ -119,10 +119,8 @@ def test_scatter_draws_every_robot(local, x, y, last):
 def test_padding_and_trials_not_run_are_never_drawn():
     results = forget(forget(study(["0.6", "U(0.5,0.9)"]), trial=slice(3, None)), robot=slice(6, None))
     kept = results.isel(setting=0, trial=slice(3), robot=slice(6))
-    np.testing.assert_allclose(
-        drawn(figures.scatter(results).axes[0], "median 0.6")[0],
-        [kept.convergence_round.median(), kept.convergence_error.median()],
-    )
+    np.testing.assert_allclose(drawn(figures.scatter(results).axes[0], "median 0.6")[0],
+                               [kept.convergence_round.median(), kept.convergence_error.median()])  # fmt: skip
     results["convergence_error"][:, 3] = 0.5  # one of the two missing is enough
     results["convergence_round"][:, 4] = 500
     (ax,) = figures.scatter(results).axes

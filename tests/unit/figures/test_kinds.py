@@ -117,9 +117,8 @@ def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results):
 
 # ---- any coordinate
 def test_scatters_and_decisions_are_coloured_by_any_coordinate():
-    results = xr.concat(
-        [study(["0.6"], topology=t, seed=k, trials=8) for k, t in enumerate(("ring", "full"))], "setting"
-    )
+    results = xr.concat([study(["0.6"], topology=t, seed=k, trials=8) for k, t in enumerate(("ring", "full"))],
+                        "setting")  # fmt: skip
     (ax,) = sc.plot.scatter(results, color="topology").axes
     for k, name in enumerate(("ring", "full")):
         one = results.isel(setting=k)
@@ -294,9 +293,8 @@ def never_agreeing():
     results = made_up(brains=2, worlds=("ring", "full"), trials=6)
     times = np.full(results["consensus_round"].shape, np.inf)
     times[-1] = 3.0
-    return results.assign(
-        consensus_round=(("setting", "trial"), times), consensus_right=(("setting", "trial"), times > 0)
-    )
+    return results.assign(consensus_round=(("setting", "trial"), times),
+                          consensus_right=(("setting", "trial"), times > 0))  # fmt: skip
 
 
 def test_differences_of_times_that_never_come():

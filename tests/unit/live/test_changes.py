@@ -29,9 +29,8 @@ def test_quick_changes_stay(page, served, let):
     until(page, "state.scenes[0].robots", 9)
     assert page.evaluate("[$('control-accuracy').value, state.preparing, state.tick]") == ["0.9", True, 77]
     may.release()
-    until(
-        page, "[state.preparing, state.form.now.accuracy, state.scenes[0].robots, state.drawn]", [False, "0.9", 9, 77]
-    )
+    until(page, "[state.preparing, state.form.now.accuracy, state.scenes[0].robots, state.drawn]",
+          [False, "0.9", 9, 77])  # fmt: skip
 
 
 def test_of_several_changes_only_the_wrong_one_is_lost(page, served, let):
@@ -150,9 +149,8 @@ def test_any_key_of_a_study_can_be_given(page, served):
     page.wait_for_url("**missing_links=0.3*bins=4**")
     page.fill("#control-missing_links", "")
     page.keyboard.press("Enter")
-    until(
-        page, "[state.preparing, state.form.asked.missing_links ?? '', $('control-missing_links')]", [False, "", None]
-    )
+    until(page, "[state.preparing, state.form.asked.missing_links ?? '', $('control-missing_links')]",
+          [False, "", None])  # fmt: skip
     page.fill("[id='control-KEY=VALUE']", "bins")
     page.keyboard.press("Enter")
     playwright.expect(page.locator("#error")).to_contain_text("bins: should be KEY=VALUE, such as missing_links=0.1")
@@ -210,9 +208,8 @@ def test_links_and_robots_stand_out(page, served, scheme):
 
     def light(colour):
         parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-        return np.dot(
-            [0.2126, 0.7152, 0.0722], [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
-        )
+        return np.dot([0.2126, 0.7152, 0.0722],
+                      [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts])  # fmt: skip
 
     ground, *drawn = (light(page.evaluate(f"tone('--{name}')")) for name in ("sheet", "link", "edge"))
     for one in drawn:

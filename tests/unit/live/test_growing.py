@@ -44,9 +44,8 @@ def test_log_read_byte_by_byte(whole, tmp_path):
 def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
     lived = []
     live = lives.is_relived
-    monkeypatch.setattr(
-        lives, "is_relived", lambda state, tick: lived.append((state.number, tick)) or live(state, tick)
-    )
+    monkeypatch.setattr(lives, "is_relived",
+                        lambda state, tick: lived.append((state.number, tick)) or live(state, tick))  # fmt: skip
     recording = Recording(whole, tmp_path / "day")
     page = Session(offer_of(recording.folder))
     asked(page, do="begin", ask={})

@@ -59,9 +59,8 @@ def test_who_has_seen_nothing_believes_in_a_half(readings, b, w):
 
 @pytest.mark.parametrize(("tries", "chance"), [(1, 0.5), (50, 1e-9), (1000, 0.3), (100_000, 0.55), (7, 0.0), (7, 1.0)])
 def test_chances_are_binomial(tries, chance):
-    np.testing.assert_allclose(
-        binomial(tries, chance), stats.binom.pmf(np.arange(tries + 1), tries, chance), rtol=1e-7, atol=1e-250
-    )
+    np.testing.assert_allclose(binomial(tries, chance), stats.binom.pmf(np.arange(tries + 1), tries, chance), rtol=1e-7,
+                               atol=1e-250)  # fmt: skip
 
 
 def test_several_sensors_are_mixed():

@@ -58,9 +58,8 @@ def test_spectrum_against_matrix_powers(graph):
 
 def test_by_hand():
     """Two robots: each reading is at once worth half to both. Nobody: each robot has its own."""
-    np.testing.assert_allclose(
-        theory.variance_factors(theory.mixing_matrix("line", 2), [1, 10]), [[0.5] * 2, [0.05] * 2]
-    )
+    np.testing.assert_allclose(theory.variance_factors(theory.mixing_matrix("line", 2), [1, 10]),
+                               [[0.5] * 2, [0.05] * 2])  # fmt: skip
     np.testing.assert_allclose(theory.variance_factors(np.eye(3), 4), [0.25] * 3)
     np.testing.assert_allclose(theory.variance_factors(theory.mixing_matrix("full", 20), 5), [0.01] * 20)
     line = theory.variance_factors(theory.mixing_matrix("line", 3), 1)
@@ -125,10 +124,9 @@ PLACES = {
 def test_measured_and_theory_agree_in_every_cell():
     """Mean squared errors over their variances, by trial: z-tests of 20 cells, 0.005 % each two-sided."""
     sensors = {"0.8": (0.8, 0.8), "black=0.95 white=0.7": (0.95, 0.7)}
-    results = sc.run(study_of(
-        COMMONS, robots=8, accuracy=[0.8, {"black": 0.95, "white": 0.7}], rounds=40, looks=20, trials=300,
-        seed=21, measure={"checkpoints": [5, 40], "estimates": True}, topology=list(PLACES.values()), fill_ratio=0.45,
-    ))  # fmt: skip
+    results = sc.run(study_of(COMMONS, robots=8, accuracy=[0.8, {"black": 0.95, "white": 0.7}], rounds=40, looks=20,
+                              trials=300, seed=21, measure={"checkpoints": [5, 40], "estimates": True},
+                              topology=list(PLACES.values()), fill_ratio=0.45))  # fmt: skip
     for k in range(results.sizes["setting"]):
         topology = str(results["topology"].values[k])
         given = PLACES[topology]

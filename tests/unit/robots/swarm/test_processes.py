@@ -86,10 +86,9 @@ def test_shares_are_uniform_and_independent_of_order():
 
 
 def test_a_swarm_bears_all_that_can_happen(tmp_path, accepted):
-    all_faults = faults(
-        ("kill", 11, [3], ", until = 31"), ("stop", 21, [0], ", until = 41"), ("cut", 31, [0, 1], ", until = 51"),
-        ("restart", 31, [2], ", blank = true"), ("kill", 1, [1], ", until = 41"),
-    )  # fmt: skip
+    all_faults = faults(("kill", 11, [3], ", until = 31"), ("stop", 21, [0], ", until = 41"),
+                        ("cut", 31, [0, 1], ", until = 51"), ("restart", 31, [2], ", blank = true"),
+                        ("kill", 1, [1], ", until = 41"))  # fmt: skip
     quick = [*QUICK, "--set", "rounds=100", "--set", "link_success=0.8"]
     told = run(accepted, tmp_path / "out", "--delay", "20ms", *all_faults, quick=quick)
     assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)

@@ -227,9 +227,8 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     assert "with the study's other brains" in " ".join(found.sentences)
     kept = [0.1, 0.3, found.values["a"]]
     assert sorted(data["a"].values[data["brain"].values == "tunable.py"]) == sorted(kept)
-    pasted = sc.Study.parse(
-        re.sub(r"brain += .*", re.search(r"^brain = .*", found.text, re.M)[0], study.text), context=study.context
-    )
+    pasted = sc.Study.parse(re.sub(r"brain += .*", re.search(r"^brain = .*", found.text, re.M)[0], study.text),
+                            context=study.context)  # fmt: skip
     assert pasted.swarm.brain == [found.brain]
 
 
