@@ -34,12 +34,9 @@ def test_the_quality_is_the_share_of_the_own_colour(name):
     extra = 1.0 if name in TELLERS else 0.0
     for number, opinion in ((0, 1.0), (1, 0.0)):
         for b, w, debiased, black in (
-            (0.9, 0.6, 0.0, 0.3),
-            (0.9, 0.9, 1.0, (0.3 + 0.9 - 1.0) / 0.8),
-            (0.8, 0.6, 1.0, 0.0),
-            (0.2, 0.1, 1.0, (0.3 + 0.1 - 1.0) / -0.7),
-            (0.3, 0.7, 1.0, 0.5),
-        ):
+            (0.9, 0.6, 0.0, 0.3), (0.9, 0.9, 1.0, (0.3 + 0.9 - 1.0) / 0.8), (0.8, 0.6, 1.0, 0.0),
+            (0.2, 0.1, 1.0, (0.3 + 0.1 - 1.0) / -0.7), (0.3, 0.7, 1.0, 0.5),
+        ):  # fmt: skip
             me, rule = robot(name, number, b=b, w=w, debiased=debiased)
             rounds(me, rule, blacks=3.0, looks=10.0)
             assert me.opinion == opinion
@@ -153,8 +150,7 @@ def test_beliefs_are_joined_as_published():
     table = {(0.0, 1.0): 0.5, (1.0, 0.0): 0.5}
     for one, other in product((0.0, 0.5, 1.0), repeat=2):
         expected = table.get((one, other), other if one == 0.5 else one)
-        assert rule.joined(one, other) == expected
-        assert rule.joined(one, other) == rule.joined(other, one)
+        assert rule.joined(one, other) == rule.joined(other, one) == expected
 
 
 def test_beliefs_begin_as_any_set_of_bins():
@@ -189,20 +185,17 @@ def test_dancing_listening_and_waiting(name):
     """Steps of five rounds: it dances its steps, alone it dances again, among listeners it waits, for a while."""
     me, rule = robot(name, every=5.0, dance=3.01, width=50.0, patience=4.0)
     said = (0.0, 4.0, (0.5,) * 10)[: len(brains.load(name).message)]
-    rounds(me, rule, count=5)
-    assert me.steps == 2.0
-    rounds(me, rule, count=4)
-    assert me.steps == 2.0
+    for count in (5, 4):
+        rounds(me, rule, count=count)
+        assert me.steps == 2.0
     rounds(me, rule, count=6)
     assert (me.steps, rule.broadcast(me)[0]) == (0.0, 0.0)
     rounds(me, rule, count=5)  # it has heard nobody
     assert me.steps == 3.0
     rounds(me, rule, count=15)
-    for waited in (1, 2, 3):
+    for steps in (-1.0, -2.0, -3.0, 3.0):
         rounds(me, rule, [said], count=5)
-        assert me.steps == -waited
-    rounds(me, rule, [said], count=5)
-    assert me.steps == 3.0
+        assert me.steps == steps
     me.steps = 0.0
     rounds(me, rule, [said, (1.0, *said[1:])], count=5)  # a dancer among them
     assert me.steps == 3.0

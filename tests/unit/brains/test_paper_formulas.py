@@ -1,7 +1,6 @@
 """The shipped brains against the paper's formulas by hand and against the exact likelihood by brute force."""
 
 import decimal
-import functools
 import math
 from decimal import Decimal
 from itertools import product
@@ -28,20 +27,10 @@ def looked(t, n, b, w, brain=MINIMALISTIC):
     return me
 
 
-def unlikelihood(f, t, n, b, w):
-    """-ln p(n blacks of t | f) without the binomial coefficient."""
-    p = b * f + (1 - w) * (1 - f)
-    terms = [c * math.log(q) if q > 0 else -math.inf for c, q in ((n, p), (t - n, 1 - p)) if c]
-    return -sum(terms)
-
-
 def likelihood(f, t, n, b, w):
     """ln p(n blacks of t | f) without the binomial coefficient, exact to 60 digits."""
     p = b * f + (1 - w) * (1 - f)
-    parts = []
-    for count, chance in ((n, p), (t - n, 1 - p)):
-        if count:
-            parts.append(count * chance.ln() if chance > 0 else Decimal("-Infinity"))
+    parts = [c * q.ln() if q > 0 else Decimal("-Infinity") for c, q in ((n, p), (t - n, 1 - p)) if c]
     return sum(parts, Decimal(0))
 
 
@@ -63,7 +52,12 @@ def test_paper_by_hand(t, n, b, w, expected):
 @pytest.mark.parametrize(("b", "w"), SENSORS)
 def test_maximises_the_exact_likelihood(b, w):
     for t, n in COUNTS:
-        cost = functools.partial(unlikelihood, t=t, n=n, b=b, w=w)
+
+        def cost(f, t=t, n=n):
+            """-ln p(n blacks of t | f) without the binomial coefficient."""
+            p = b * f + (1 - w) * (1 - f)
+            return -sum(c * math.log(q) if q > 0 else -math.inf for c, q in ((n, p), (t - n, 1 - p)) if c)
+
         x_hat = looked(t, n, b, w).x_hat
         brute = minimize_scalar(cost, bounds=(0.0, 1.0), method="bounded", options={"xatol": 1e-12})
         assert cost(x_hat) <= min(brute.fun, cost(0.0), cost(1.0)) + 1e-9 * t
@@ -80,10 +74,8 @@ def test_second_derivative_of_the_exact_likelihood(b, w):
             db, dw = Decimal(b), Decimal(w)
             p = Decimal(n) / t if 0.0 < me.x_hat < 1.0 else None
             f = (p + dw - 1) / (db + dw - 1) if p is not None else Decimal(me.x_hat)
-            points = (f - h, f, f + h)
-            if any(likelihood(x, t, n, db, dw) == Decimal("-Infinity") for x in points):
-                pytest.fail("the likelihood vanishes beside its own maximum")
-            low, mid, high = (likelihood(x, t, n, db, dw) for x in points)
+            low, mid, high = (likelihood(x, t, n, db, dw) for x in (f - h, f, f + h))
+            assert Decimal("-Infinity") not in (low, mid, high), "the likelihood vanishes beside its own maximum"
             curvature = -(low - 2 * mid + high) / h**2
         assert me.alpha == pytest.approx(float(curvature), rel=1e-6)
 
@@ -104,10 +96,9 @@ def test_no_information(b, w):
     assert (me.x_hat, me.alpha) == (0.5, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("brain", "x_bar", "beta"), [(MINIMALISTIC, (0.2 * 3 + 0.6 * 1) / 4, 4.0), (LEGACY, 0.4, 2 / (1 / 3 + 1 / 1))]
-)
-def test_eqs_6_to_8_and_legacy_by_hand(brain, x_bar, beta):
+@pytest.mark.parametrize("brain", [MINIMALISTIC, LEGACY], ids=lambda b: b.name)
+def test_eqs_6_to_8_and_legacy_by_hand(brain):
+    x_bar, beta = ((0.2 * 3 + 0.6 * 1) / 4, 4.0) if brain is MINIMALISTIC else (0.4, 2 / (1 / 3 + 1 / 1))
     me = looked(10, 5, 0.9, 0.8, brain)
     alpha, x_hat = me.alpha, me.x_hat
     for message in ((0.2, 3.0), (0.6, 1.0)):
@@ -203,16 +194,15 @@ def test_swift_is_a_second_order_recursion_of_the_same_matrix():
     assert [me.company for me in robots] == [5.0, 14.0, 29.0, 25.0]  # squares of their names, counted from 1
 
 
-@pytest.mark.long(only=["full-False"])
-@pytest.mark.parametrize(
-    ("topology", "keeps"), [("full", False), ("line", True), ("ring", True), (nx.wheel_graph(7), True)], ids=str
-)
-def test_momentum_is_given_up_in_full_networks(topology, keeps):
+@pytest.mark.long(only=["full"])
+@pytest.mark.parametrize("topology", ["full", "line", "ring", "wheel"])
+def test_momentum_is_given_up_in_full_networks(topology):
     """Where everyone hears everyone, to the last digit: it is commons there."""
-    if not isinstance(topology, str):
-        topology.name = "wheel"
-    found = sc.run(study_of(["commons", "swift"], robots=7, rounds=500, trials=5, seed=5, topology=topology))
-    assert np.array_equal(*found["final_estimate"].values) != keeps
+    wheel = nx.wheel_graph(7)
+    wheel.name = "wheel"
+    world = {"topology": wheel if topology == "wheel" else topology}
+    found = sc.run(study_of(["commons", "swift"], robots=7, rounds=500, trials=5, seed=5, **world))
+    assert np.array_equal(*found["final_estimate"].values) == (topology == "full")
 
 
 def test_lost_messages_stop_momentum_nearby():

@@ -8,23 +8,20 @@ from swarmcensus import brains
 from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.checks.lives_in_single import single_lives
+from tests.support.second import changed
 from tests.support.small import study_of
 
 LONG_LIVED = ("commons", "swift", "tracking", "steadfast", "sure")
-KEPT = {
-    "    return larger, more - (larger - total)\n": "    return larger, 0.0\n",
-    "    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)\n": "    return 0.0\n",
-}
+KEPT = (
+    ("    return larger, more - (larger - total)\n", "    return larger, 0.0\n"),
+    ("    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)\n", "    return 0.0\n"),
+)
 
 
 def forgetful(name, folder):
     """A shipped brain that does not remember what rounding took."""
-    source = brains.load(name).source
-    for kept, nothing in KEPT.items():
-        assert source.count(kept) == 1
-        source = source.replace(kept, nothing)
     file = folder / f"forgetful_{name}.py"
-    file.write_text(source)
+    file.write_text(changed(*KEPT, source=brains.load(name).source))
     return brains.load(file)
 
 

@@ -41,8 +41,7 @@ def test_readings_far_from_r_count_less_and_so_do_their_sums(errors, share, nois
     me.noise = noise
     error = math.sqrt(max(22 / 104 * 82 / 104, noise) / 100.0 + me.error**2)
     DO.receive(me, voice(0.2, 50.0, 0.2 + errors * error, 400.0))
-    assert me.heard == pytest.approx(share)
-    assert me.heard_v == pytest.approx(50.0 * share)
+    assert (me.heard, me.heard_v) == pytest.approx((share, 50.0 * share))
     assert me.heard_near_s == pytest.approx(100.0 * share * errors * error)
     assert me.heard_near_v == pytest.approx(100.0 * {2.8: 0.7, 3.6: 0.0}.get(abs(errors), 1.0))
 
@@ -80,8 +79,7 @@ def test_a_message_hardly_weighs_more_than_the_own_sums():
     me = robot()
     DO.receive(me, voice(0.51, 1e9, 0.5))
     DO.receive(me, voice(0.51, 10.0, 0.5))
-    assert me.heard_v == pytest.approx(120.0)
-    assert me.heard_s == pytest.approx(0.51 * 120.0)
+    assert (me.heard_v, me.heard_s) == pytest.approx((120.0, 0.51 * 120.0))
 
 
 @pytest.mark.parametrize(("errors", "cut_to"), [(0.9, 0.9), (-0.9, -0.9), (1.1, 1.0), (-3.9, -1.0), (4.1, 0.0)])
@@ -119,8 +117,7 @@ def test_readings_of_before_a_change_do_not_vouch_for_what_is_after_it():
     me.short = 0.1
     DO.observe(me, 0.1, 1.0)
     DO.fuse(me)
-    assert me.own_v == 1.0
-    assert me.near_v == pytest.approx(1.0)
+    assert (me.own_v, me.near_v) == (1.0, pytest.approx(1.0))
     assert me.error > 0.3
     assert me.v > 900.0
     assert DO.estimate(me) == pytest.approx(0.5, abs=0.01)
@@ -182,13 +179,10 @@ def test_no_lies_hold_r_far_from_own_readings(messages, varies):
 
 
 # ---- over trials
-CREEPER = {"file": "creeper", "step": 0.02}
 LIARS = {
-    "creeper": CREEPER,
+    "creeper": {"file": "creeper", "step": 0.02}, "opposite": "opposite", "shouter": "shouter",
     "insider": {"file": str(EXAMPLE / "insider.py"), "lean": 1.5, "from_r": 3.5, "second": 2.5},
-    "opposite": "opposite",
-    "shouter": "shouter",
-}
+}  # fmt: skip
 
 
 def square_errors(brain="steadfast", liar=None, robots=0, rounds=400, fill_ratio=0.55):
@@ -220,4 +214,4 @@ def test_errors_beside_those_of_a_robot_alone(name, alone):
 def test_a_changed_floor_is_followed_among_liars(alone):
     """After 400 rounds, errors are hardly above those of a robot alone that has seen nothing but the new floor."""
     change = {"from": 0.15, "to": 0.55, "at": 401}
-    assert (square_errors(liar=CREEPER, robots=4, rounds=800, fill_ratio=change) < 1.3 * alone).all()
+    assert (square_errors(liar=LIARS["creeper"], robots=4, rounds=800, fill_ratio=change) < 1.3 * alone).all()

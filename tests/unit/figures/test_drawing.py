@@ -28,9 +28,12 @@ from swarmcensus.support.intervals import estimate
 from tests.support.drawing import PAPER, assert_fits, drawn, forget, study, texts
 
 
+def linear(colour: str) -> list[float]:
+    return [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+
+
 def luminance(colour: str) -> float:
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
-    return float(np.dot([0.2126, 0.7152, 0.0722], linear))
+    return float(np.dot([0.2126, 0.7152, 0.0722], linear(colour)))
 
 
 # ---- looks
@@ -48,9 +51,8 @@ def test_looks_of_accuracies():
 def seen_without_green(colour: str) -> np.ndarray:
     """A colour as somebody with deuteranopia sees it, in CIELAB (Machado, Oliveira & Fernandes, 2009)."""
     cones = [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]]
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
     xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
-    x, y, z = (np.array(xyz) @ np.clip(np.array(cones) @ linear, 0, 1)) / [0.9505, 1.0, 1.089]
+    x, y, z = (np.array(xyz) @ np.clip(np.array(cones) @ linear(colour), 0, 1)) / [0.9505, 1.0, 1.089]
     x, y, z = (np.cbrt(c) if c > 0.008856 else 7.787 * c + 16 / 116 for c in (x, y, z))
     return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
 
@@ -69,13 +71,11 @@ def test_brains_can_be_told_apart_without_green():
     assert not shipped & {part for name in mine for part in looks[name][2:4]}
 
 
+OFTEN = st.sampled_from([*TITLES, "mine.py", "swift gain=0.1", "swift gain=0.2", "x.py a=1", "x.py a=2"])
+
+
 @settings(max_examples=50, deadline=None)
-@given(
-    st.lists(
-        st.sampled_from([*TITLES, "mine.py", "swift gain=0.1", "swift gain=0.2", "x.py a=1", "x.py a=2"]),
-        unique=True, min_size=1,
-    )
-)  # fmt: skip
+@given(st.lists(OFTEN, unique=True, min_size=1))
 def test_a_brain_has_one_look(names):
     together = {name: look[2:] for name, look in looks_of(names, "o", "brain").items()}
     swift, commons = (looks_of([name], "d", "brain")[name] for name in ("swift", "commons"))
@@ -126,17 +126,14 @@ def test_padding_and_trials_not_run_are_never_drawn():
     (ax,) = figures.scatter(results).axes
     for accuracy in ("0.6", "U(0.5,0.9)"):
         dots = drawn(ax, f"dots {accuracy}")
-        assert len(dots) == 3 * 6
-        assert np.isfinite(dots).all()
-        assert (dots[:, 0] >= 0).all()
+        assert (dots.shape, np.isfinite(dots).all(), dots[:, 0].min() >= 0) == ((3 * 6, 2), True, True)
 
 
 def test_a_mixed_swarm_is_a_ring_and_lies_below():
     results = study(["0.6", "U(0.5,0.9)"])
     for name in ("convergence_round", "convergence_error"):
         results[name][1] = results[name][0]  # the same robots: one median on the other
-    (ax,) = figures.scatter(results).axes
-    lines = {line.get_label(): line for line in ax.lines}
+    lines = {line.get_label(): line for line in figures.scatter(results).axes[0].lines}
     ring, dot = lines["median U(0.5,0.9)"], lines["median 0.6"]
     assert (ring.get_markerfacecolor(), dot.get_markerfacecolor()) == ("none", palette(1)[0])
     assert lines["dots U(0.5,0.9)"].get_zorder() < lines["dots 0.6"].get_zorder()
@@ -147,14 +144,10 @@ def test_medians_have_crosses_of_intervals_over_trials():
     results["convergence_round"][1, 2:] = -1  # two trials alone
     figure = figures.scatter(results)
     (ax,) = figure.axes
-    ends = drawn(ax, "cross 0.6")
-    x, y = (results[name][0].values for name in ("convergence_round", "convergence_error"))
-    _, left, right = estimate(x.astype(float), "median")
-    _, low, high = estimate(y, "median")
-    middle = np.median(x), np.median(y)
-    np.testing.assert_allclose(
-        ends, sorted([(left, middle[1]), (right, middle[1]), (middle[0], low), (middle[0], high)])
-    )
+    x, y = (results[name][0].values.astype(float) for name in ("convergence_round", "convergence_error"))
+    (_, left, right), (_, low, high) = estimate(x, "median"), estimate(y, "median")
+    ends = [(left, np.median(y)), (right, np.median(y)), (np.median(x), low), (np.median(x), high)]
+    np.testing.assert_allclose(drawn(ax, "cross 0.6"), sorted(ends))
     assert not drawn(ax, "cross 0.7").size
     assert "95 % interval" in texts(figure)
     assert "interval" not in texts(figures.scatter(results.isel(trial=slice(5))))
@@ -190,9 +183,8 @@ def test_medians_have_their_names_where_there_is_room():
 def test_many_accuracies_have_a_colour_bar():
     for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), partial(figures.lines, x="accuracy")):
         legend = draw(study(), color="accuracy").axes[0].get_legend()
-        assert [text.get_text() for text in legend.get_texts()][:2] == [
-            "0.975\n0.825\n0.675\n0.525", "U(0.525, 0.975)",
-        ]  # fmt: skip
+        bar, mixed, *_ = (text.get_text() for text in legend.get_texts())
+        assert (bar, mixed) == ("0.975\n0.825\n0.675\n0.525", "U(0.525, 0.975)")
         colours = [to_hex(patch.get_facecolor()) for patch in legend.findobj(Rectangle)]
         assert [colour for colour in colours if colour in palette(10)] == palette(10)[::-1]
 
@@ -223,13 +215,12 @@ def test_mark_of_perfect_decisions():
     results["correct"][1, 2, :] = np.nan
     results["correct"][2, :, 2:] = np.nan  # trials not run yet: those that were are all right
     (ax,) = figures.lines(results, x="checkpoint").axes
-    assert np.round(drawn(ax, "all right 0.6")[:, 0]).tolist() == [0, 2]
-    assert np.round(drawn(ax, "all right 0.7")[:, 0]).tolist() == [0, 1]
-    assert np.round(drawn(ax, "all right 0.8")[:, 0]).tolist() == [0, 1, 2]
+    bars = {name: drawn(ax, f"all right {name}") for name in ("0.6", "0.7", "0.8")}
+    at = {name: np.round(found[:, 0]).tolist() for name, found in bars.items()}
+    assert at == {"0.6": [0, 2], "0.7": [0, 1], "0.8": [0, 1, 2]}
     assert drawn(ax, "right 0.6")[1, 1] == pytest.approx(100 * 39 / 40)
     assert len(drawn(ax, "right 0.7")) == 2  # nothing is drawn where nothing was run
-    bars, diamonds = drawn(ax, "all right 0.6"), drawn(ax, "right 0.6")
-    assert {tuple(bar) for bar in bars} <= {tuple(diamond) for diamond in diamonds}
+    assert {tuple(bar) for bar in bars["0.6"]} <= {tuple(diamond) for diamond in drawn(ax, "right 0.6")}
 
 
 def test_a_thin_line_is_the_interval_over_trials():
@@ -247,8 +238,7 @@ def test_a_thin_line_is_the_interval_over_trials():
             np.testing.assert_allclose(line[:, 0], drawn(ax, f"right {name}")[checkpoint, 0])
             assert high > low
     assert "95 % interval" in texts(figure)
-    few = figures.lines(results.isel(trial=slice(5)), x="checkpoint")
-    assert "interval" not in texts(few)
+    assert "interval" not in texts(figures.lines(results.isel(trial=slice(5)), x="checkpoint"))
 
 
 # ---- curves
@@ -283,9 +273,8 @@ def test_the_shaded_bin_holds_the_truth(truth, bottom, top):
 
 # ---- heatmap
 def grid_study(**coordinates) -> xr.Dataset:
-    parts = [
-        study(["0.6", "0.9", "U(0.5,0.9)"], seed=i, fill_ratio=f, **coordinates) for i, f in enumerate((0.55, 0.95))
-    ]
+    accuracies = ["0.6", "0.9", "U(0.5,0.9)"]
+    parts = [study(accuracies, seed=i, fill_ratio=f, **coordinates) for i, f in enumerate((0.55, 0.95))]
     return xr.concat(parts, "setting")
 
 
@@ -301,12 +290,11 @@ def test_heatmap_shows_medians_of_finished_cells():
     np.testing.assert_allclose(image[2], [results.convergence_round[i].median() for i in (2, 5)])
     assert [t.get_text() for t in error.get_yticklabels()] == ["0.6", "0.9", "U(0.5, 0.9)"]
     assert [t.get_text() for t in error.get_xticklabels()] == ["0.55", "0.95"]
-    for ax in (error, rounds):
-        for text in ax.texts:
-            x, y = np.round(text.get_position()).astype(int)
-            back = luminance(ax.images[0].to_rgba(ax.images[0].get_array())[y, x, :3])
-            fore = luminance(text.get_color())
-            assert (max(back, fore) + 0.05) / (min(back, fore) + 0.05) >= 4.2  # legible
+    for ax, text in ((axes, text) for axes in (error, rounds) for text in axes.texts):
+        x, y = np.round(text.get_position()).astype(int)
+        ground = ax.images[0].to_rgba(ax.images[0].get_array())[y, x, :3]
+        low, high = sorted([luminance(ground), luminance(text.get_color())])
+        assert (high + 0.05) / (low + 0.05) >= 4.2  # legible
 
 
 def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
@@ -381,9 +369,8 @@ def test_captions_tell_panels_apart(varied, captions):
 
 
 def test_robots_that_know_their_sensors_are_one_panel():
-    results = study(["0.6", "0.7"])
-    known = results.assign_coords(assumed_accuracy=("setting", ["0.6", "0.7"]))
-    fixed = results.assign_coords(assumed_accuracy=("setting", ["0.8", "0.8"]))
+    known = study(["0.6", "0.7"], assumed_accuracy=["0.6", "0.7"])
+    fixed = study(["0.6", "0.7"], assumed_accuracy="0.8")
     assert len(panels_of(known)) == len(panels_of(fixed)) == 1
     captions = [p.caption for p in panels_of(xr.concat([known, fixed], "setting"))]
     assert captions == ["", "assumed accuracy 0.8"]
@@ -394,10 +381,9 @@ def test_number_of_panels():
     results = study(["0.6", "0.7"])
     figure = columns_grid([(str(i), results) for i in range(16)])
     assert len({ax.get_position().x0 for ax in figure.axes}) == 4
-    with pytest.raises(InputError, match="120 panels, not 121: select some"):
-        scatter_grid([("", results)] * 121)
-    with pytest.raises(InputError, match="not 0"):
-        scatter_grid([])
+    for count, said in ((121, "120 panels, not 121: select some"), (0, "not 0")):
+        with pytest.raises(InputError, match=said):
+            scatter_grid([("", results)] * count)
 
 
 def test_panels_by_two_coordinates_are_a_table():
@@ -494,16 +480,16 @@ def test_nothing_left_to_draw_is_an_input_error():
             draw(empty)
         with pytest.raises(InputError, match="no setting"):
             draw(study().isel(setting=[]))
-    with pytest.raises(InputError, match="nothing to draw"):
-        figures.curves(trace(3).where(False))
-    with pytest.raises(InputError, match="'local_convergence_step': set local = true"):
-        figures.scatter(study().drop_vars("local_convergence_step"), local=True)
-    with pytest.raises(InputError, match="'correct'"):
-        figures.lines(study().drop_vars("correct"), x="checkpoint")
-    with pytest.raises(InputError, match="no setting"):
-        figures.scatter(study().isel(setting=0))
-    with pytest.raises(InputError, match="no round"):
-        figures.curves(trace(3).isel(round=[]))
+    without = study().drop_vars("local_convergence_step")
+    for draw, what, said in (
+        (figures.curves, trace(3).where(False), "nothing to draw"),
+        (figures.curves, trace(3).isel(round=[]), "no round"),
+        (figures.scatter, study().isel(setting=0), "no setting"),
+        (partial(figures.lines, x="checkpoint"), study().drop_vars("correct"), "'correct'"),
+        (partial(figures.scatter, local=True), without, "'local_convergence_step': set local = true"),
+    ):
+        with pytest.raises(InputError, match=said):
+            draw(what)
 
 
 # ---- files

@@ -20,6 +20,7 @@ from swarmcensus.summaries.table_of_summary import Summary
 from swarmcensus.support.terminal import as_text
 from tests.support.contending import made_up
 from tests.support.drawing import study, texts
+from tests.support.small import study_of
 
 BELIEFS = """
 trials = 6
@@ -27,31 +28,20 @@ swarm = {robots = 8, accuracy = [0.7, 0.8], assumed_accuracy = [0.7, 0.75, {erro
 world = {topology = "full", fill_ratio = [0.55, 0.8]}
 schedule = {rounds = 30}
 """
-MOVING = """
-name = "moving"
-trials = 1
-swarm = {robots = 6, accuracy = 0.8}
-world = {topology = "moving", density = 2, fill_ratio = 0.55}
-schedule = {ticks = 20}
-"""
 
 
 @pytest.fixture(scope="module")
 def draw(small_results):
     """A function that draws a kind with some options."""
-    beliefs, moving = (sc.run(sc.Study.parse(text), jobs=1) for text in (BELIEFS, MOVING))
+    studies = sc.Study.parse(BELIEFS), study_of(robots=6, accuracy=0.8, ticks=20, trials=1, density=2)
+    beliefs, moving = (sc.run(one, jobs=1) for one in studies)
     two = small_results.isel(setting=np.isin(small_results["topology"].values, ["ring", "full"]))
     at_055 = two.isel(setting=two["fill_ratio"].values == 0.55)
     results = {
-        "scatter": at_055.isel(setting=at_055["robots"].values == 12),
-        "columns": at_055.isel(setting=at_055["robots"].values == 12),
-        "lines": two,
-        "heatmap": small_results.isel(setting=slice(0, 4)),
-        "curves": small_results,
-        "beliefs": beliefs,
-        "arena": moving,
+        "lines": two, "heatmap": small_results.isel(setting=slice(0, 4)), "curves": small_results, "beliefs": beliefs,
+        "arena": moving, **dict.fromkeys(("scatter", "columns"), at_055.isel(setting=at_055["robots"].values == 12)),
         **dict.fromkeys(("compare", "ranks", "pareto", "steps"), made_up(trials=6, gap=0.3)),
-    }
+    }  # fmt: skip
     own = {
         "lines": {"x": "robots", "cols": "topology"}, "curves": {"setting": 3}, "columns": {"x": "checkpoint"},
         "beliefs": {"x": "belief", "theory": True}, "steps": {"form": "steps"},
@@ -72,16 +62,10 @@ def shown(figure: Figure) -> list[tuple[str, np.ndarray]]:
     figure.draw_without_rendering()
     texts = [t for t in figure.findobj(Text) if t.get_text().strip() and t.get_visible()]
     off = {id(t) for ax in figure.findobj(Axes) if not ax.axison for a in (ax.xaxis, ax.yaxis) for t in a.findobj(Text)}
-    texts = [t for t in texts if id(t) not in off]
-    # an axis keeps labels of ticks outside its limits
-    ticks = {id(label): ax for ax in figure.findobj(mpl.axis.Axis) for label in ax.get_ticklabels()}
-    beyond = [t for t in texts if id(t) in ticks and not _on_axis(t, ticks[id(t)])]
-    return [(t.get_text(), t.get_window_extent()) for t in texts if t not in beyond]
-
-
-def _on_axis(label, axis):
-    low, high = sorted(axis.get_view_interval())
-    return low <= label.get_position()[axis.axis_name == "y"] <= high
+    for ax in figure.findobj(mpl.axis.Axis):  # which keeps labels of ticks outside its limits
+        low, high = sorted(ax.get_view_interval())
+        off |= {id(t) for t in ax.get_ticklabels() if not low <= t.get_position()[ax.axis_name == "y"] <= high}
+    return [(t.get_text(), t.get_window_extent()) for t in texts if id(t) not in off]
 
 
 def assert_readable(figure: Figure, within: float = 1.0) -> None:
@@ -129,9 +113,9 @@ def test_what_a_page_has_no_room_for_is_in_further_files(small_file, small_resul
 
 
 def test_variants_of_a_brain_are_contenders():
-    brains = np.repeat(["census", "steadfast", "mine.py", "mine.py"], 2)
-    results = study(["0.7", "0.8"] * 4, brain=brains, gain=np.repeat([np.nan, np.nan, 0.1, 1.0], 2),
-                    z=np.repeat([5.0, 4.0, np.nan, np.nan], 2))  # fmt: skip
+    given = {"brain": ["census", "steadfast", "mine.py", "mine.py"], "gain": [np.nan, np.nan, 0.1, 1.0]}
+    given = {name: np.repeat(values, 2) for name, values in (given | {"z": [5.0, 4.0, np.nan, np.nan]}).items()}
+    results = study(["0.7", "0.8"] * 4, **given)
     results.attrs["parameters"] = '{"census": ["z"], "steadfast": ["z"], "mine.py": ["gain"]}'
     figure = sc.plot.lines(results, x="accuracy", color="brain", width="column")
     assert len(figure.axes) == 1
@@ -267,20 +251,17 @@ def test_labels_change_names_only(here, accepted):
 
 
 def test_a_label_changes_no_colour():
-    results = made_up(worlds=("ring",), trials=6)
-    plain, labelled = (
-        [handle.get_markerfacecolor() for handle in figure.axes[0].get_legend().legend_handles[:4]]
-        for figure in (sc.plot.pareto(results, labels=labels) for labels in ({}, {"voter": "Ours", "bayes-bots": "B"}))
-    )
-    assert plain == labelled
+    results, colours = made_up(worlds=("ring",), trials=6), []
+    for labels in ({}, {"voter": "Ours", "bayes-bots": "B"}):
+        legend = sc.plot.pareto(results, labels=labels).axes[0].get_legend()
+        colours.append([handle.get_markerfacecolor() for handle in legend.legend_handles[:4]])
+    assert colours[0] == colours[1]
 
 
 def test_equal_labels_of_two_brains():
-    studies = [
-        sc.Study.parse(f"labels.{brain} = 'Ours'\n{TWO}".replace('["minimalistic", "legacy"]', f'"{brain}"'))
-        for brain in ("minimalistic", "legacy")
-    ]
-    merged = sc.merge([sc.run(study, jobs=1) for study in studies])
+    texts = [f"labels.{brain} = 'Ours'\n{TWO}".replace('["minimalistic", "legacy"]', f'"{brain}"')
+             for brain in ("minimalistic", "legacy")]  # fmt: skip
+    merged = sc.merge([sc.run(sc.Study.parse(text), jobs=1) for text in texts])
     figure = sc.plot.lines(merged, x="brain")
     assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Minimalistic (paper)", "Legacy (paper)"]
     assert sc.compare(merged).grid.contenders == ["minimalistic", "legacy"]

@@ -1,6 +1,7 @@
 """What a page may ask for, what it is shown, and how it is answered: without a browser and without a server."""
 
 import base64
+import itertools
 import json
 import random
 import string
@@ -151,9 +152,8 @@ def test_controls_show_the_values_of_a_setting(offer):
     assert all(form["now"][key] in found for key, found in form["choices"].items())
     assert "rounds" not in form["now"]
     lying = '[{robots = 0.5, brain = "jammer", honest = false}, {robots = 1, accuracy = 0.9}]'
-    form = form_of(
-        offer, wanted(offer, {"robots": "12", "members": lying, "topology": "{name = 'torus', columns = 4}"})
-    )
+    asked = {"robots": "12", "members": lying, "topology": "{name = 'torus', columns = 4}"}
+    form = form_of(offer, wanted(offer, asked))
     assert (form["now"]["liars"], form["now"]["adversary"]) == ("0.5", "jammer")
     assert form["honest"] == ["{robots = 1, accuracy = 0.9, honest = true}"]
     assert form["choices"]["topology"][form["now"]["topology"]] == '{name = "torus", columns = 4}'
@@ -181,14 +181,13 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
         assert ((shown["flags"][:, 0] & 1) == looked).all()
         heard = [np.bincount(links, minlength=6).tolist() for links in shown["links"]]
         assert heard[1:] == trace["neighbours"].values[ticks[1:]].tolist()
-    for tick in ticks:
-        for robot in range(6):
-            told = robot_of(show, tick, robot)
-            if number != 2 and tick:
-                assert (told["blacks"], told["looks"]) == (trace["blacks"].values[tick, robot], 10)
-            for name in show.setting.brain.memory:
-                assert told["fields"][name] == trace[name].values[tick, robot].tolist()
-            assert told["estimate"] == trace["estimate"].values[tick, robot]
+    for tick, robot in itertools.product(ticks, range(6)):
+        told = robot_of(show, tick, robot)
+        if number != 2 and tick:
+            assert (told["blacks"], told["looks"]) == (trace["blacks"].values[tick, robot], 10)
+        for name in show.setting.brain.memory:
+            assert told["fields"][name] == trace[name].values[tick, robot].tolist()
+        assert told["estimate"] == trace["estimate"].values[tick, robot]
     json.dumps(robot_of(show, 60, 0), allow_nan=False)
 
 
@@ -255,9 +254,9 @@ def test_a_session_answers(offer):
     assert [scene["brain"] for scene in begun["scenes"]] == ["minimalistic", "commons"]
     assert begun["form"]["now"]["robots"] == "6"
     assert begun["form"]["colours"] == colours_of_brains(["minimalistic", "commons"])
-    *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
-    while isinstance(end, dict) and end.get("going"):
-        *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
+    asked, end = json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}), {"going": True}
+    while end.get("going"):
+        *frames, end = session.answer(asked)
     assert [parsed(part)["ticks"].tolist() for part in frames] == [[10, 15, 20, 25]] * 2
     assert [parsed(part)["side"] for part in frames] == [0, 1]
     [told] = session.answer(json.dumps({"id": 3, "do": "robot", "side": 1, "robot": 2, "tick": 10}))
@@ -332,11 +331,8 @@ def test_random_words_are_answered(offer):
             words = {key: chance.choice(numbers) for key in keys}
             words["do"] = chance.choice(["frames", "robot", "begin", 3])
             if chance.random() < 0.05:
-                words["ask"] = {
-                    chance.choice((*KEYS, "robots", "topology", "members", "body")): chance.choice(
-                        ["", "-", "1", "9" * 30, "ring", "é", "../x"]
-                    )
-                }
+                key = chance.choice((*KEYS, "robots", "topology", "members", "body"))
+                words["ask"] = {key: chance.choice(["", "-", "1", "9" * 30, "ring", "é", "../x"])}
             said = json.dumps(words)
         for answer in session.answer(said):
             if isinstance(answer, bytes):

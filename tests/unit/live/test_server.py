@@ -44,12 +44,10 @@ def get(served, path, host=None, method="GET"):
             return answer.status, answer.read(), {name.lower(): value for name, value in answer.getheaders()}
 
 
-def frames(page, first, last, step=1):
+def frames(page, first, last):
     """Frames one by one: of several at a time, as many are answered as are there soon."""
-    return [
-        ask(page, id=tick, do="frames", **{"from": tick, "step": 1, "count": 1})[0]
-        for tick in range(first, last + 1, step)
-    ]
+    one = {"do": "frames", "step": 1, "count": 1}
+    return [ask(page, id=tick, **one | {"from": tick})[0] for tick in range(first, last + 1)]
 
 
 def test_the_page_and_its_parts_are_there(served):
@@ -159,9 +157,8 @@ def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch
     monkeypatch.setattr(Session, "_frames", lambda *_: [{"share": float("nan")}])
     with talk(served) as page:
         assert "internal error: ValueError" in ask(page, id=1, do="frames")[1]["error"]
-        assert (
-            "this brain's source is not stored here" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
-        )
+        _, said = ask(page, id=2, do="begin", ask={"brain": "none"})
+        assert "this brain's source is not stored here" in said["error"]
 
 
 def test_a_page_that_goes_stops_its_computing(served):
@@ -290,8 +287,7 @@ def test_from_python_it_is_a_frame():
         path = shown.address.split(str(port))[1].split("#")[0]
         status, page, _ = get(types.SimpleNamespace(port=port), path)
         assert (status, b"swarmcensus" in page) == (200, True)
-        frame = shown._repr_html_()
-        assert 'src="http://127.0.0.1:' in frame
+        assert 'src="http://127.0.0.1:' in shown._repr_html_()
     finally:
         shown.stop()
     with pytest.raises(OSError, match="refused"):

@@ -27,12 +27,13 @@ from swarmcensus.worlds.spreads import uniform
 def test_schema(small_results):
     assert dict(small_results.sizes) == {"setting": 32, "trial": 4, "robot": 12, "checkpoint": 2}
     assert small_results["checkpoint"].values.tolist() == [10, 60]
-    for name in ("brain", "topology", "robots", "density", "fill_ratio", "rounds", "observations_per_round"):
-        assert small_results[name].dims == ("setting",)
+    for dims, names in (
+        (("setting",), "brain topology robots density fill_ratio rounds observations_per_round accuracy"),
+        (("setting", "trial", "robot"), "convergence_round convergence_error final_estimate"),
+        (("setting", "checkpoint", "trial"), "correct"),
+    ):
+        assert {name: small_results[name].dims for name in names.split()} == dict.fromkeys(names.split(), dims)
     assert "U(0.525,0.975)" in small_results["accuracy"].values
-    for name in ("convergence_round", "convergence_error", "final_estimate"):
-        assert small_results[name].dims == ("setting", "trial", "robot")
-    assert small_results["correct"].dims == ("setting", "checkpoint", "trial")
     assert packed(small_results)["convergence_round"].dtype == np.int32
 
 
@@ -82,9 +83,8 @@ def test_accuracies_are_numbers_too(small_results):
     few = readable(few.assign_coords(accuracy=("setting", np.array([*ACCURACIES], object))))
     found = np.stack([few[name].values for name in NUMERIC], axis=1)
     np.testing.assert_allclose(found, [*ACCURACIES.values()], rtol=1e-12)
-    assert few.sel(setting=few.accuracy_black > 0.8)["accuracy"].values.tolist() == [
-        "black=0.9 white=0.6", "0.9 drift=-1e-05 least=0.6",
-    ]  # fmt: skip
+    high = few.sel(setting=few.accuracy_black > 0.8)["accuracy"].values.tolist()
+    assert high == ["black=0.9 white=0.6", "0.9 drift=-1e-05 least=0.6"]
 
 
 def test_moments_of_a_distribution_without_its_own(monkeypatch):
@@ -104,8 +104,7 @@ def test_moments_of_normal_accuracies(text):
 
 @pytest.mark.parametrize("damage", ["text", "other", "missing", "folder", "zeros"])
 def test_what_is_no_results_file(damage, small_file, tmp_path):
-    path = tmp_path / "bad.nc"
-    whole = small_file.read_bytes()
+    path, whole = tmp_path / "bad.nc", small_file.read_bytes()
     if damage == "text":
         path.write_text("hello")
     elif damage == "other":
@@ -217,10 +216,9 @@ def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):
 CELLS = [
     "import swarmcensus as sc\nstudy = sc.Study(trials=2, swarm={'robots': [2, 3], 'accuracy': 0.8}, "
     "world={'topology': 'ring', 'fill_ratio': 0.55}, schedule={'rounds': 5})\nstudy",
-    "results = sc.run(study)\nresults",
-    "sc.replay(results, setting=1, trial=0)",
+    "results = sc.run(study)\nresults", "sc.replay(results, setting=1, trial=0)",
     "import xarray as xr\nxr.Dataset({'mine': 1})",
-]
+]  # fmt: skip
 
 
 @pytest.mark.long
@@ -249,7 +247,6 @@ def test_results_show_the_numbers_of_their_summary(small_results):
     assert "<summary>the dataset" not in shown(small_results.drop_vars("convergence_round"))
 
 
-# ---- the lines
 def test_lines_in_a_notebook(monkeypatch, capsys):
     shell = types.SimpleNamespace(kernel=1)
     monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))

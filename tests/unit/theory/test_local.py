@@ -205,9 +205,8 @@ def of_sensors(readings, f):
 
 def test_floors_with_so_many_black_tiles():
     """All floors of 6 tiles with 2 black ones."""
-    visits, floors = [3, 1, 0, 2, 0, 1], []
-    for black in itertools.combinations(range(6), 2):
-        floors.append([m in black for m in range(6)])
+    visits, pairs = [3, 1, 0, 2, 0, 1], itertools.combinations(range(6), 2)
+    floors = [[m in black for m in range(6)] for black in pairs]
     found = theory.tiles_variance((9 + 1 + 4 + 1) / 49, 2 / 6, 6, drawn="exactly") + of_sensors(7, 2 / 6)
     assert found == pytest.approx(exactly(visits, floors, "floor"), rel=1e-12)
     assert found == pytest.approx(exactly(visits, floors, 2 / 6), rel=1e-12)

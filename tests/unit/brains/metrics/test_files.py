@@ -71,19 +71,18 @@ def fixed():
 
 
 def test_shipped_metrics_against_numpy(fixed):
-    results = fixed
     seen = set()
-    for k, robots in enumerate(results["robots"].values.tolist()):
-        trace = sc.replay(results, k, 1)
+    for k, robots in enumerate(fixed["robots"].values.tolist()):
+        trace = sc.replay(fixed, k, 1)
         floor = trace.attrs.get("true_fill_ratio", trace.attrs["fill_ratio"])
         for variable, expected in by_hand(trace["estimate"].values[1:], floor).items():
-            measured = results[variable].values[k, 1]
+            measured = fixed[variable].values[k, 1]
             if measured.ndim:
                 assert np.isnan(measured[robots:]).all()
                 measured = measured[:robots]
             np.testing.assert_allclose(measured, expected, rtol=1e-12, err_msg=variable)
             seen |= {(variable, bool(np.isinf(expected).any()))}
-    assert {("first_right", True), ("first_right", False), ("swarm_right", True), ("swarm_right", False)} <= seen
+    assert {(name, never) for name in ("first_right", "swarm_right") for never in (True, False)} <= seen
     assert {variable for variable, _ in seen} == {metrics.load(name).variable for name in LIBRARY}
 
 
@@ -96,9 +95,8 @@ def test_metrics_alter_no_bit_of_what_else_is_measured(fixed):
 
 def test_summaries_and_tables_have_metrics(fixed):
     table = sc.summary(fixed)
-    first = fixed["first_right"].values
     for k, robots in enumerate(fixed["robots"].values):
-        assert table["first_right"][k] == np.median(first[k, :, :robots])
+        assert table["first_right"][k] == np.median(fixed["first_right"].values[k, :, :robots])
         assert table["swarm_right"][k] == np.median(fixed["swarm_right"].values[k])
         assert 1.0 <= table["swarm_right_low"][k] <= table["swarm_right"][k] <= table["swarm_right_high"][k]
         assert 0.0 <= table["time_right_low"][k] <= table["time_right"][k] <= table["time_right_high"][k] <= 1.0

@@ -25,6 +25,7 @@ from swarmcensus.summaries.measures import Measure
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import BEST, SEARCHED
 from swarmcensus.support.seeds import seed_for
+from swarmcensus.support.toml_text import to_toml
 from tests.support import small
 from tests.support.tunable import SOURCE, study_of
 
@@ -133,15 +134,15 @@ def test_the_search_runs_on_other_seeds_than_the_evaluation(tmp_path, monkeypatc
     now = ["evaluation"]
 
     def spy(setting, seed, *others):
-        used[now[0]].add(seed)
+        used[now[-1]].add(seed)
         return run_batch(setting, seed, *others)
 
     def searching(self, *others):
-        now[0] = "search"
+        now.append("search")
         try:
             return through(self, *others)
         finally:
-            now[0] = "evaluation"
+            now.pop()
 
     study = study_of(tmp_path, "a = 0.1, noise = 0.1", seed=5)
     sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=1)  # compiled, with a seed of its own
@@ -222,14 +223,13 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     found = sc.tune(study, ["a=0:1"], budget=37, trials=3, out=tmp_path / "t.toml")
     assert len(found.evidence.comparison.contenders) == 2
     data = sc.load(tmp_path / "t.nc")
-    assert data.sizes["setting"] == 4
-    assert (sorted(set(data["brain"].values)), data.attrs["seed"]) == (["minimalistic", "tunable.py"], 1)
+    assert (data.sizes["setting"], data.attrs["seed"]) == (4, 1)
+    assert sorted(set(data["brain"].values)) == ["minimalistic", "tunable.py"]
     assert "with the study's other brains" in " ".join(found.sentences)
     kept = [0.1, 0.3, found.values["a"]]
     assert sorted(data["a"].values[data["brain"].values == "tunable.py"]) == sorted(kept)
-    pasted = sc.Study.parse(re.sub(r"brain += .*", re.search(r"^brain = .*", found.text, re.M)[0], study.text),
-                            context=study.context)  # fmt: skip
-    assert pasted.swarm.brain == [found.brain]
+    text = re.sub(r"brain += .*", re.search(r"^brain = .*", found.text, re.M)[0], study.text)
+    assert sc.Study.parse(text, context=study.context).swarm.brain == [found.brain]
 
 
 def test_several_worlds_have_equal_weight_and_are_listed(tmp_path):
@@ -252,17 +252,16 @@ def test_a_log_that_is_none_or_damaged_is_refused(args, tmp_path):
     sc.tune(*args, budget=13, trials=2, out=tmp_path / "a.toml")
     lines = log.read_text().splitlines(keepends=True)
     changed = lines[7].replace(lines[7].split(",")[2], "0.123")
-    for text, said in (
-        ("".join([*lines[:7], "nonsense\n", *lines[8:]]), r"a\.csv: has no evaluation, or is damaged"),
-        ("".join([lines[0], "a,b\n", *lines[2:]]), r"a\.csv: has no evaluation, or is damaged"),
-        ("".join(lines[:2]), r"a\.csv: has no evaluation, or is damaged"),
-        ("".join([*lines[:7], changed, *lines[8:]]), r"evaluation 5 has the values \(0.123, .* there and "),
-        ("x,y\n1,2\n", r"a\.csv: is no log of a search"),
-    ):
-        log.write_text(text)
+    damaged = r"a\.csv: has no evaluation, or is damaged"
+    for those, said in (
+        ([*lines[:7], "nonsense\n", *lines[8:]], damaged), ([lines[0], "a,b\n", *lines[2:]], damaged),
+        (lines[:2], damaged), (["x,y\n1,2\n"], r"a\.csv: is no log of a search"),
+        ([*lines[:7], changed, *lines[8:]], r"evaluation 5 has the values \(0.123, .* there and "),
+    ):  # fmt: skip
+        log.write_text("".join(those))
         with pytest.raises(InputError, match=said):
             sc.tune(*args, budget=25, trials=2, out=tmp_path / "a.toml")
-        assert log.read_text() == text
+        assert log.read_text() == "".join(those)
 
 
 def test_results_of_another_kind_are_never_replaced(args, tmp_path):
@@ -276,15 +275,14 @@ def test_results_of_another_kind_are_never_replaced(args, tmp_path):
 def test_robots_that_move_share_their_walks(tmp_path):
     """All candidates of a generation ride on the same walk, and come to what each would alone."""
     (tmp_path / "tunable.py").write_text(SOURCE)
-    study = sc.Study.parse(
-        'trials = 3\n[swarm]\nbrain = [{file = "tunable.py", a = 0.1}]\nrobots = 4\naccuracy = 1.0\n[world]\n'
-        'topology = "moving"\ndensity = 1\nfill_ratio = 0.5\n[schedule]\nticks = 20\n',
-        context={"base": tmp_path},
-    )
+    brain = [{"file": "tunable.py", "a": 0.1}]
+    world = {"topology": "moving", "density": 1, "fill_ratio": 0.5}
+    swarm = {"brain": brain, "robots": 4, "accuracy": 1.0}
+    text = to_toml({"trials": 3, "swarm": swarm, "world": world, "schedule": {"ticks": 20}})
+    study = sc.Study.parse(text, context={"base": tmp_path})
     found = sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=2)
     errors = [(one.values[0] - 0.6) ** 2 for one in found.evaluations]
-    usual = errors[0]
-    assert [one.loss for one in found.evaluations] == pytest.approx([e / (e + usual) for e in errors])
+    assert [one.loss for one in found.evaluations] == pytest.approx([e / (e + errors[0]) for e in errors])
 
 
 def test_values_that_change_nothing_are_no_finding(tmp_path):
@@ -388,19 +386,20 @@ def test_lines_and_dots_are_those_of_the_log(log):
     assert lines.get_ylabel() == "best final error"
     assert dots.get_xscale() == "linear"  # as it was log_of
     assert sc.plot.scatter(data, x="idle").axes[0].get_xscale() == "log"
-    drawn = np.concatenate([d.get_xydata() for d in dots.lines if str(d.get_label()).startswith("dots ")])
-    assert sorted(map(tuple, drawn.tolist())) == sorted(
-        zip(data["a"].values.tolist(), data["final_error"].values[:, 0].tolist(), strict=True)
-    )
+    points = zip(data["a"].values.tolist(), data["final_error"].values[:, 0].tolist(), strict=True)
+    assert sorted(map(tuple, dots_in(dots).tolist())) == sorted(points)
+
+
+def dots_in(axes):
+    return np.concatenate([d.get_xydata() for d in axes.lines if str(d.get_label()).startswith("dots ")])
 
 
 def test_a_scatter_plot_of_trials_against_any_number():
     results = sc.run(small.study_of(robots=[5, 9], accuracy=0.8, rounds=10, fill_ratio=0.3))
     (axes,) = sc.plot.scatter(results, x="robots", y="final_error").axes
-    drawn = np.concatenate([d.get_xydata() for d in axes.lines if str(d.get_label()).startswith("dots ")])
     table = sc.frame(results).groupby(["robots", "trial"])["final_estimate"]
     expected = table.apply(lambda x: (x - 0.3).abs().median()).reset_index()
-    assert drawn == pytest.approx(expected[["robots", "final_estimate"]].to_numpy())
+    assert dots_in(axes) == pytest.approx(expected[["robots", "final_estimate"]].to_numpy())
     with pytest.raises(InputError, match="no numbers"):
         sc.plot.scatter(results, x="topology")
     with pytest.raises(InputError, match="goes with x"):

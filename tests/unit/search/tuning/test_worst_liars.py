@@ -12,10 +12,8 @@ from tests.support.options import with_usual
 from tests.support.second import changed
 
 LIAR = '''"""It says `goal` plus a bump: the lie is largest at at = 0.6."""
-
 PARAMETERS = {"at": 0.1, "idle": 1.0}
 KNOWS = ("t",)
-
 
 def lie(me, x):
     return max(1.0 - 2.0 * abs(me.at - 0.6), 0.0) if me.t > 0.0 else x
@@ -79,9 +77,8 @@ def test_worst_lie_is_found_and_written(here, refused, accepted):
     assert {path: path.read_bytes() for path in before} == before
     other = refused("tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml")
     assert "bump-worst.csv is of another search" in other
-    pasted = STUDY.replace(
-        re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], re.sub("(?m)^#.*\n", "", text)
-    )
+    members = re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0]
+    pasted = STUDY.replace(members, re.sub("(?m)^#.*\n", "", text))
     assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
 
 
