@@ -218,10 +218,8 @@ def test_however_silence_is_said_it_is_kept(ends):
 @pytest.mark.long(but=["minimalistic", "commons", "voter", "w-msr"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
-    """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range.
-
-    Of every brain, because each has words of its own about which adversaries lie.
-    """
+    """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range. Of
+    every brain, because each has words of its own about which adversaries lie."""
     honest = brains.load(by)
     for name in NAMES:
         used = wrapped(name, by=by)

@@ -158,10 +158,8 @@ def test_weights_of_all_readings_by_matrices(before, after, loses):
 
 @pytest.mark.parametrize("late", [False, True])
 def test_nothing_is_biased_by_losses_lateness_and_late_joiners(late):
-    """Readings that are what is expected of f leave every ratio at f, whatever is heard, and when.
-
-    All have momentum for ten rounds, unless some begin late; then messages of robots with and without it are mixed.
-    """
+    """Readings that are what is expected of f leave every ratio at f, whatever is heard, and when. All have momentum
+    for ten rounds, unless some begin late; then messages of robots with and without it are mixed."""
     random = np.random.default_rng(1)
     swarm, f, old, mixed = robots(6, 0.9, 0.7), 0.3, [], False
     for t in range(60):

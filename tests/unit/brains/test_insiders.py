@@ -52,10 +52,8 @@ def knowing(names, lie=HONEST):
 
 
 def test_rules_by_field_or_role():
-    """3 of 4 are black: x = 0.75, confidence 2, t = 4, n = 3; a quarter is told of all other fields.
-
-    The information is a quarter of the confidence that `boast` would tell, here the honest one.
-    """
+    """3 of 4 are black: x = 0.75, confidence 2, t = 4, n = 3; a quarter is told of all other fields. The information is
+    a quarter of the confidence that `boast` would tell, here the honest one."""
     used = brains.lying_brain(adversary_of(SOURCE), brain(RICH))
     me = robot(used, 3, 4)
     me.luck = 0.625

@@ -57,10 +57,8 @@ def test_sums_count_as_nearer_to_r_of_all_near_or_not_at_all(errors, count_as):
 
 
 def test_r_and_its_error_by_hand():
-    """The second round: own readings go from 50 of 100 to 140 of 200; one neighbour has read 603 of 900.
-
-    Its r is 0.45 away, and counts as 2.5 E.
-    """
+    """The second round: own readings go from 50 of 100 to 140 of 200; one neighbour has read 603 of 900. Its r is 0.45
+    away, and counts as 2.5 E."""
     me = robot()
     DO.observe(me, 90.0, 100.0)
     DO.receive(me, voice(0.5, 50.0, 0.67, 900.0, 0.95))
@@ -155,11 +153,9 @@ def test_no_message_moves_the_estimate_beyond_the_cut(precision):
 @pytest.mark.parametrize("varies", [False, True], ids=["still", "drawn"])
 @pytest.mark.parametrize("messages", [1, 2, 5])
 def test_no_lies_hold_r_far_from_own_readings(messages, varies):
-    """Lies of any size, fixed or drawn along with r: within m HUBER sqrt(2) standard errors, and 60 % are met.
-
-    R is then at most SECOND of them farther, and the estimate at most one more.
-    If own readings are drawn at random, r lags behind them, by less than one standard error more.
-    """
+    """Lies of any size, fixed or drawn along with r: within m HUBER sqrt(2) standard errors, and 60 % are met. R is
+    then at most SECOND of them farther, and the estimate at most one more. If own readings are drawn at random, r lags
+    behind them, by less than one standard error more."""
     random = np.random.default_rng(messages)
     far = 0.0
     for _ in range(500 if not varies else 200):

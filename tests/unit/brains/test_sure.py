@@ -167,10 +167,8 @@ def test_ground_that_hides_its_changes_is_warned_of():
 @pytest.mark.parametrize("alpha", [0.05, 0.2])
 @pytest.mark.parametrize("world", [{}, {"topology": "scale-free", "link_success": 0.3}], ids=["ring", "tree, losses"])
 def test_intervals_hold_as_often_as_they_say(alpha, world):
-    """Over 150 trials, within 4 standard errors and 1.5 points: fails in 1 of 1,000 for the 16 together.
-
-    Near 0 and 1 more hold, since what would hold 0 or 1 is all.
-    """
+    """Over 150 trials, within 4 standard errors and 1.5 points: fails in 1 of 1,000 for the 16 together. Near 0 and 1
+    more hold, since what would hold 0 or 1 is all."""
     used, given = {"file": "sure", "alpha": alpha, "within": 1e-9}, {"fill_ratio": [0.55, 0.75]} | world
     study = study_of(used, 16, [0.7, "U(0.525, 0.975)"], rounds=120, trials=150, seed=21,
                      measure={"checkpoints": [40, 120]}, **given)  # fmt: skip
@@ -194,10 +192,8 @@ def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
 
 @pytest.mark.long
 def test_robots_stop_on_independent_ground_and_not_on_a_few_stripes():
-    """Ten robots in an arena of seven stripes, where comparing with all earlier readings let a quarter stop wrong.
-
-    At most 1 % of them stop there, and at least 95 % on tiles; 0 % and 99.9 % did in 200 trials with another seed.
-    """
+    """Ten robots in an arena of seven stripes, where comparing with all earlier readings let a quarter stop wrong. At
+    most 1 % of them stop there, and at least 95 % on tiles; 0 % and 99.9 % did in 200 trials with another seed."""
     world = {"topology": "moving", "density": 3, "fill_ratio": 0.55, "floor": [{"stripes": 0.3}, "tiles"]}
     swarm = {"brain": {"file": "sure", "within": 0.05}, "robots": 10, "accuracy": 0.9}
     study = sc.Study(trials=30, seed=23, swarm=swarm, world=world, schedule={"ticks": 4088}, measure={"truth": "floor"})

@@ -22,7 +22,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.logs.traces import Logged
 from swarmcensus.simulation import Stepped
-from tests.support.relived import SEED, logged, told
+from tests.support.relived import SEED, logged, recorded, told
 from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
@@ -31,11 +31,9 @@ ROUNDS = 30
 
 def made(folder, brain="commons", **given):
     """A folder of a whole day without restarts, and its setting."""
-    study, setting, swarm = logged(folder, brain, robots=4, rounds=ROUNDS, looks=2, **given)
-    swarm.run()
-    swarm.close()
+    study, _ = recorded(folder, brain, robots=4, rounds=ROUNDS, looks=2, **given)
     told(folder, study)
-    return setting
+    return study.settings()[0]
 
 
 @pytest.fixture(scope="module")
@@ -58,13 +56,10 @@ def test_recording_is_shown_like_its_simulation(tmp_path, brain, formats):
     setting = made(tmp_path / "day", brain, **formats)
     [show] = show_of(tmp_path / "day")
     simulated = Show(Stepped(setting, SEED, 0), wanted(offer_of(tmp_path / "day"), {}).study.measure)
-    ticks = list(range(ROUNDS + 1))
-    mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
-    assert (mine["layers"] == theirs["layers"]).all()
-    assert (mine["flags"] == theirs["flags"]).all()
-    np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
-    for one, other in zip(mine["links"], theirs["links"], strict=True):
-        assert one.tolist() == other.tolist()
+    mine, theirs = (parsed(one.frames(list(range(ROUNDS + 1)))) for one in (show, simulated))
+    for name in ("layers", "flags", "numbers"):
+        np.testing.assert_array_equal(mine[name], theirs[name])
+    assert [links.tolist() for links in mine["links"]] == [links.tolist() for links in theirs["links"]]
     for tick, robot in itertools.product((0, 1, 17, ROUNDS), range(4)):
         one, other = robot_of(show, tick, robot), robot_of(simulated, tick, robot)
         assert [heard["from"] for heard in one.pop("heard")] == [heard["from"] for heard in other.pop("heard")]
@@ -179,8 +174,7 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path):
     told(folder, study, robots=robots)
     [show] = show_of(folder)
     simulated = Show(Stepped(setting, SEED, 0), study.measure)
-    ticks = list(range(ROUNDS + 1))
-    mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
+    mine, theirs = (parsed(one.frames(list(range(ROUNDS + 1)))) for one in (show, simulated))
     assert (mine["layers"] == theirs["layers"]).all()
     np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
     for robot in range(6):
@@ -191,9 +185,7 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path):
 def test_own_brain_comes_from_the_folder_of_logs(here):
     mine = here / "mine.py"
     mine.write_text(brains.load("commons").source)
-    study, _, swarm = logged(here / "day", "mine.py", robots=4, rounds=ROUNDS)
-    swarm.run()
-    swarm.close()
+    study, _ = recorded(here / "day", "mine.py", robots=4, rounds=ROUNDS)
     text = study.text.replace("mine.py", "brain.py")  # as swarmcensus swarm writes it
     told(here / "day", study, brain={"file": "brain.py", "name": "mine.py"}, study=text)
     mine.write_text(brains.load("minimalistic").source)

@@ -117,12 +117,11 @@ def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
     """Neither docstrings nor comments end where the name says so."""
     file = tmp_path / 'a"""\nimport evil\n"""\n#include evil\\.py'
     file.write_text(brains.load("minimalistic").source)
-    robot = tmp_path / "robot"
-    assert main(["deploy", str(file), str(robot), "--target", radio, "--accuracy", "{black = 0.9, white = 0.8}"]) == 0
-    texts = {path.name: path.read_text() for path in robot.iterdir() if path.name != "README.md"}
+    found = texts(deployed(tmp_path / "robot", str(file), radio))
+    del found["README.md"]
     code = re.compile(r"^(import evil|#include evil)", re.MULTILINE)
-    assert [name for name, text in texts.items() if code.search(text)] == []
-    assert any("import evil" in text for text in texts.values())
+    assert [name for name, text in found.items() if code.search(text)] == []
+    assert any("import evil" in text for text in found.values())
 
 
 def output_of(brain="commons", precision="double", format_="float32"):
@@ -163,9 +162,7 @@ def test_a_board_of_single_precision_is_compared_in_it(tmp_path, capsys):
     folder = deployed(tmp_path / "robot", "commons", "udp", "--message", "ratio16")
     single = output_of(precision="single", format_="ratio16")
     code, said = checked(capsys, folder, single)
-    assert code == 0
-    assert "24 binary digits" in said
-    assert "largest difference 0.0e+00" in said
+    assert (code, "24 binary digits" in said, "largest difference 0.0e+00" in said) == (0, True, True), said
     assert checked(capsys, folder, single.replace("bits 24", "bits 53"))[0] == 2
     assert checked(capsys, folder, single.replace("\n", "\r\n"), "utf-16") == (code, said)  # as PowerShell writes it
 

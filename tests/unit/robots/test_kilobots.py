@@ -134,10 +134,8 @@ def test_a_kilobot_without_a_number_blinks_and_says_nothing(tmp_path, number, gi
 @pytest.mark.parametrize("boot", [0, 5], ids=["simulator", "kilobot"])
 @pytest.mark.parametrize("name", ["commons", pytest.param(WHOLE, id="whole")])
 def test_kilobot_says_what_a_robot_of_single_precision_says(tmp_path, name, boot):
-    """Its program, compiled for this machine, and the runtime send the same bytes.
-
-    Some messages come twice, and some of its own are never sent. A simulator has no memory of boots.
-    """
+    """Its program, compiled for this machine, and the runtime send the same bytes. Some messages come twice, and some
+    of its own are never sent. A simulator has no memory of boots."""
     folder = built(deployed(tmp_path / "robot", name), "-D__AVR__" * (boot > 0))
     brain = brains.load(name).with_numbers(Numbers("single", "ratio16"))
     mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)

@@ -34,10 +34,8 @@ print(robot.status())
 
 @pytest.fixture
 def on_a_failing_board(here, monkeypatch):
-    """The namespace of a script that runs a deployed robot, whose modules of a board fail as they are made to.
-
-    CPython runs it, because it has sockets too.
-    """
+    """The namespace of a script that runs a deployed robot, whose modules of a board fail as they are made to. CPython
+    runs it, because it has sockets too."""
 
     def run(radio, script, *more):
         board, needs = here / "board", ["--target", radio, "--accuracy", "{black = 0.9, white = 0.85}"]

@@ -9,25 +9,9 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.checks import minimalism
-from swarmcensus.evaluation.paper import measures
+from swarmcensus.evaluation.paper import evidence, measures
 from swarmcensus.evaluation.paper.evaluations import PAPER
-from swarmcensus.evaluation.paper.evidence import (
-    FAILS,
-    HOLDS,
-    NEITHER,
-    NO,
-    PARTLY,
-    UNDECIDED,
-    UNMEASURED,
-    YES,
-    Detail,
-    Evidence,
-    Finding,
-    Needed,
-    check,
-    ratio,
-    verdict_on,
-)
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NEITHER, NO, PARTLY, UNDECIDED, YES
 from swarmcensus.support import intervals
 from tests.support.trials import record_ride
 
@@ -132,7 +116,7 @@ LOCAL = ("local_convergence_step", "local_convergence_error")
 
 
 def verdict(name, twist=as_it_is, trials=30):
-    (outcome,) = check(world(*KNOWN[name].studies, twist=twist, trials=trials), [KNOWN[name]])
+    (outcome,) = evidence.check(world(*KNOWN[name].studies, twist=twist, trials=trials), [KNOWN[name]])
     return outcome
 
 
@@ -232,7 +216,7 @@ def test_few_trials_decide_nothing_that_is_random(name):
 ])  # fmt: skip
 def test_three_verdicts(said, verdict):
     words = {"y": YES, "n": NO, "-": NEITHER}
-    assert verdict_on([Detail("", 1.0, None, words[each]) for each in said]) == verdict
+    assert evidence.verdict_on([evidence.Detail("", 1.0, None, words[each]) for each in said]) == verdict
 
 
 @pytest.mark.parametrize(("threshold", "value", "said"), [
@@ -245,10 +229,10 @@ def test_three_verdicts(said, verdict):
     ("below 0.05", 0.049, YES), ("below 0.05", 0.051, NO), ("above -0.05", -0.04, YES),
 ])  # fmt: skip
 def test_all_orderings_have_one_margin(threshold, value, said):
-    needed = Needed.of(threshold)
-    assert Evidence({}, trials=30).judge(Finding("", np.full(1001, value)), needed).verdict == said
+    needed = evidence.Needed.of(threshold)
+    assert evidence.Evidence({}, trials=30).judge(evidence.Finding("", np.full(1001, value)), needed).verdict == said
     wide = np.concatenate([[value], np.linspace(-9, 9, 1000)])
-    assert Evidence({}, trials=30).judge(Finding("", wide), needed).verdict == NEITHER
+    assert evidence.Evidence({}, trials=30).judge(evidence.Finding("", wide), needed).verdict == NEITHER
 
 
 def test_there_is_no_order_where_all_are_the_same():
@@ -283,10 +267,10 @@ def test_the_numbers_behind_a_ratio_are_given():
 
 
 def test_pairs_use_trials_that_both_have_and_a_quotient_by_zero_decides_nothing():
-    evidence = Evidence(world("topologies") | world("local", trials=20))
-    assert evidence.trials == 20
-    nothing = ratio(np.ones(1001), np.zeros(1001))
-    assert evidence.judge(Finding("", nothing), Needed.of("less")).verdict == NEITHER
+    found = evidence.Evidence(world("topologies") | world("local", trials=20))
+    assert found.trials == 20
+    nothing = evidence.ratio(np.ones(1001), np.zeros(1001))
+    assert found.judge(evidence.Finding("", nothing), evidence.Needed.of("less")).verdict == NEITHER
 
 
 def test_one_wrong_robot_is_against_consensus_and_the_papers_observation_has_a_probability():
@@ -296,7 +280,7 @@ def test_one_wrong_robot_is_against_consensus_and_the_papers_observation_has_a_p
     data = world("moving")["moving"].copy(deep=True)
     here = (data.accuracy == MIXED) & (data.density == 1) & (data.fill_ratio == 0.55)
     data["correct"][{"setting": int(np.flatnonzero(here)[0]), "checkpoint": -1, "trial": 7}] = 24 / 25
-    (outcome,) = check({"moving": data}, [KNOWN["consensus-moving"]])
+    (outcome,) = evidence.check({"moving": data}, [KNOWN["consensus-moving"]])
     assert (outcome.verdict, outcome.count(NO)) == (PARTLY, 1)
     draws = np.random.default_rng(4).random((200_000, 30)) < 29 / 30
     assert f"{100 * draws.all(axis=1).mean():.0f} %" == "36 %"
@@ -308,7 +292,7 @@ def test_ticks_without_neighbours_are_those_of_the_walk(here):
     world = {"topology": "moving", "density": 1, "fill_ratio": 0.55}
     tables = {"swarm": {"robots": 25, "accuracy": 0.525}, "world": world, "schedule": {"ticks": 300}}
     study = sc.Study(name="moving", seed=5, trials=8, **tables)
-    (outcome,) = check({"moving": sc.run(study)}, [KNOWN["few-unheard-moving"]])
+    (outcome,) = evidence.check({"moving": sc.run(study)}, [KNOWN["few-unheard-moving"]])
     alone = 0
     for trial in range(study.trials):
         links = record_ride(study.settings()[0], study.seed, trial).links
@@ -318,16 +302,16 @@ def test_ticks_without_neighbours_are_those_of_the_walk(here):
 
 
 def test_all_that_is_missing_is_not_measured():
-    assert {o.verdict for o in check({}, PAPER.claims) if o.claim.studies} == {UNMEASURED}
+    assert {o.verdict for o in evidence.check({}, PAPER.claims) if o.claim.studies} == {evidence.UNMEASURED}
     data = world("topologies")["topologies"]
     without = {"topologies": data.isel(setting=(data.topology != "ring").values)}
-    assert check(without, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
-    assert check(without, [KNOWN["consensus"]])[0].verdict == HOLDS
+    assert evidence.check(without, [KNOWN["low-error-055"]])[0].verdict == evidence.UNMEASURED
+    assert evidence.check(without, [KNOWN["consensus"]])[0].verdict == HOLDS
     unfinished = data.copy(deep=True)
     unfinished["convergence_error"][{"trial": 3}] = np.nan
-    assert check({"topologies": unfinished}, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
+    assert evidence.check({"topologies": unfinished}, [KNOWN["low-error-055"]])[0].verdict == evidence.UNMEASURED
     twice = {"topologies": xr.concat([data, data], "setting")}
-    assert check(twice, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
+    assert evidence.check(twice, [KNOWN["low-error-055"]])[0].verdict == evidence.UNMEASURED
 
 
 def test_growing_memory_is_found(monkeypatch, tmp_path):

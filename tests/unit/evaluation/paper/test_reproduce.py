@@ -9,22 +9,9 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus.evaluation.paper import page, report, reproducing as paper
+from swarmcensus.evaluation.paper import evidence, page, report, reproducing as paper
 from swarmcensus.evaluation.paper.evaluations import PAPER
-from swarmcensus.evaluation.paper.evidence import (
-    FAILS,
-    HOLDS,
-    NEITHER,
-    NO,
-    PARTLY,
-    UNDECIDED,
-    VERDICTS,
-    YES,
-    Detail,
-    Needed,
-    Outcome,
-    check,
-)
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NEITHER, NO, PARTLY, UNDECIDED, YES, Outcome
 from swarmcensus.figures.columns import columns_grid
 from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.results import store as results
@@ -109,7 +96,7 @@ def test_each_picture_has_its_own_text_and_files(done):
 
 
 def test_a_closed_claim_counts_its_settings(tmp_path):
-    details = [Detail("ring", 0.04, (0.03, 0.06), said) for said in (NEITHER, YES, YES)]
+    details = [evidence.Detail("ring", 0.04, (0.03, 0.06), said) for said in (NEITHER, YES, YES)]
     text = a_page(tmp_path, outcome(PARTLY, *details))
     closed, opened = text.partition("<details class=claim>")[2].split("</summary>", 1)
     assert ("2 yes, 1 neither" in closed, "0.04" in closed, "0.04" in opened) == (True, False, True)
@@ -120,11 +107,11 @@ def test_claims_are_all_there_and_valid_json(done):
     read = json.loads(text, parse_constant=pytest.fail)
     assert [claim["id"] for claim in read["claims"]] == [claim.id for claim in PAPER.claims]
     for claim in read["claims"]:
-        assert claim["verdict"] in VERDICTS
+        assert claim["verdict"] in evidence.VERDICTS
         assert all(claim[key] for key in ("title", "sentence", "section", "statistic", "threshold", "settings"))
         assert {each["verdict"] for each in claim["settings"]} <= {YES, NO, NEITHER}
     assert read["studies"]["topologies"] == {"seed": 2023, "trials": 2}
-    assert report.as_json(check(done.datasets, PAPER.claims), done.datasets, PAPER.source) == text
+    assert report.as_json(evidence.check(done.datasets, PAPER.claims), done.datasets, PAPER.source) == text
 
 
 def test_every_figure_names_claims_and_studies_that_exist():
@@ -226,9 +213,9 @@ def test_ctrl_c_keeps_finished_work_of_reproduce(tmp_path, monkeypatch):
 
 def test_all_text_on_the_page_is_escaped(tmp_path):
     nasty = "<script>alert('&')</script>"
-    detail = Detail(nasty, 1.0, (0.5, 2.0), NO, nasty)
+    detail = evidence.Detail(nasty, 1.0, (0.5, 2.0), NO, nasty)
     texts = dict.fromkeys(("title", "sentence", "section", "statistic", "explanation"), nasty)
-    texts["needed"] = Needed(nasty, (0.0, 1.0), (0.0, 1.0))
+    texts["needed"] = evidence.Needed(nasty, (0.0, 1.0), (0.0, 1.0))
     text = a_page(tmp_path, outcome(FAILS, *[detail] * 5, **texts))
     assert "<script>" not in text
     assert text.count("&lt;script&gt;alert(&#39;&amp;&#39;)") > 12
@@ -237,7 +224,7 @@ def test_all_text_on_the_page_is_escaped(tmp_path):
 def test_the_table_fits_narrow_terminals():
     said, checked = itertools.cycle(((HOLDS, YES), (PARTLY, NO), (FAILS, NO), (UNDECIDED, NEITHER))), []
     for claim, (verdict, found) in zip(PAPER.claims, said, strict=False):
-        one = Detail("scale-free, f = 0.55, U(0.525,0.975)", 12.34, (11.5, 123.5), found, "1234 and 100")
+        one = evidence.Detail("scale-free, f = 0.55, U(0.525,0.975)", 12.34, (11.5, 123.5), found, "1234 and 100")
         checked.append(Outcome(claim, verdict, (one,) * 44, ("ring",), one))
     text = as_text(report.Reproduction(None, "", {}, [], checked, {}).print_on, 80)
     assert max(map(len, text.splitlines())) <= 80

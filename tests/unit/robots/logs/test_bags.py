@@ -65,12 +65,11 @@ def events_of(data, kind="Bool", heard="Int32MultiArray", jitter=0):
         if value == value:
             late = int(chance.integers(-jitter, jitter + 1)) if k else 0
             events.append((START + k * PERIOD + late, f"/robot_{robot}/floor", kind, make(value)))
-    for k in range(STEPS):
-        for receiver in range(ROBOTS):
-            senders = messages[(messages[:, 0] == k) & (messages[:, 2] == receiver), 1]
-            said = ", ".join(map(str, senders)) if heard == "String" else senders
-            if len(senders):
-                events.append((START + k * PERIOD + 1000, f"/robot_{receiver}/heard", heard, said))
+    for k, receiver in np.ndindex(STEPS, ROBOTS):
+        senders = messages[(messages[:, 0] == k) & (messages[:, 2] == receiver), 1]
+        said = ", ".join(map(str, senders)) if heard == "String" else senders
+        if len(senders):
+            events.append((START + k * PERIOD + 1000, f"/robot_{receiver}/heard", heard, said))
     return events
 
 
@@ -113,11 +112,9 @@ def test_links_of_a_file_go_with_readings_of_a_bag(data, csv, tmp_path):
 
 
 def test_the_last_reading_of_a_step_counts_and_is_sent(tmp_path):
-    values = [True, False, True, True, False]
-    times = [0, 20, 100, 110, 120]  # ms
-    events = [(START + t * 10**6, "/robot_0/floor", "Bool", v) for t, v in zip(times, values, strict=True)]
-    events += [(START + 5 * 10**6, "/robot_0/heard", "Int32MultiArray", [0])]
-    write(tmp_path / "bag", events)
+    values = {0: True, 20: False, 100: True, 110: True, 120: False}  # by ms
+    events = [(START + ms * 10**6, "/robot_0/floor", "Bool", value) for ms, value in values.items()]
+    write(tmp_path / "bag", [*events, (START + 5 * 10**6, "/robot_0/heard", "Int32MultiArray", [0])])
     read, heard = read_bag(tmp_path / "bag", "/robot_{robot}/floor", "/robot_{robot}/heard", 0.1)
     assert read.values.tolist() == [[0], [0]]
     assert "1 message that a robot heard from itself" in read.notes[0]

@@ -18,17 +18,10 @@ from swarmcensus.robots.logs.traces import as_trace
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
 from tests.support.lockstep import Swarm
 from tests.support.long import in_two_sizes
-from tests.support.relived import SEED, estimates_of, logged, setting_of, told
+from tests.support.relived import SEED, estimates_of, logged, recorded, setting_of, told
 from tests.support.trials import record_trial
 
 pytestmark = pytest.mark.interpreted
-
-
-def recorded(folder, brain="commons", **given):
-    """Logs of a swarm that lived to its end: its study, and what its robots showed."""
-    study, _, swarm = logged(folder, brain, **given)
-    swarm.run()
-    return study, swarm.close()
 
 
 def lived(folder):

@@ -9,7 +9,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.logs import block_at
 from tests.support.lockstep import BEGUN
-from tests.support.relived import logged, told
+from tests.support.relived import recorded, told
 
 pytestmark = pytest.mark.interpreted
 DAY = 86_400_000
@@ -20,9 +20,7 @@ AWAY = "all 5 robots: not of this recording: it started on 2023-11-14T22:13:20 U
 @pytest.fixture
 def day(tmp_path):
     """Logs of a swarm of five on a ring that lived to its end, and what writes its swarm.json."""
-    study, _, swarm = logged(tmp_path / "day", more={"saves": 4})
-    swarm.run()
-    swarm.close()
+    study, _ = recorded(tmp_path / "day", more={"saves": 4})
     return tmp_path / "day", lambda **more: told(tmp_path / "day", study, **{"robots": ROBOTS} | more)
 
 
@@ -126,15 +124,12 @@ APART = {"name": "pair", "edges": [[2, 3]]}
 def test_a_log_without_its_end_is_named_by_others(tmp_path, capsys, topology, more, kept, says):
     """No count is known; robot 1 was cut between two blocks, or stopped for itself."""
     folder = tmp_path / "day"
-    _, _, swarm = logged(folder, robots=4, rounds=60, topology=topology, more=more)
-    swarm.run()
-    swarm.close()
+    recorded(folder, robots=4, rounds=60, topology=topology, more=more)
     path = folder / "robot-1.log"
-    data = path.read_bytes()
-    ends = [0]
-    while ends[-1] < len(data):
-        ends.append(block_at(data, ends[-1])[-1])
-    path.write_bytes(data[: ends[kept + 1]])  # the first block is the start
+    data, end = path.read_bytes(), 0
+    for _ in range(kept + 1):  # the first block is the start
+        end = block_at(data, end)[-1]
+    path.write_bytes(data[:end])
     code, said = verdict(folder, capsys)
     assert (code, f"robot 1, boot 0: {says}" in said) == (bool(says), bool(says))
     assert said.count("not in the log") == bool(says)

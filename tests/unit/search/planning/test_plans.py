@@ -11,21 +11,11 @@ import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.figures.plan_lines import draw_plan
 from swarmcensus.runs import Hardware
+from swarmcensus.search.planning import predictions
 from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.goals import Goal
 from swarmcensus.search.planning.mission import missions_of
 from swarmcensus.search.planning.planning import question_of
-from swarmcensus.search.planning.predictions import (
-    least_deviation,
-    meeting_factors,
-    meeting_rate,
-    predict,
-    readings_needed,
-    tiles_of,
-    variance,
-    with_worst_accuracy,
-    worst_fill_ratios,
-)
 from swarmcensus.search.planning.search import Search
 from swarmcensus.search.planning.shortest_time import reached
 from swarmcensus.search.planning.simulating import Case, Curve, curves, study_of
@@ -121,11 +111,9 @@ HALF = 0.1959964  # of estimates of the variance 1 / round: 0.95 of them are thi
 @pytest.mark.parametrize("is_for_good", [True, False])
 def test_planned_times_are_right_on_average(is_for_good):
     """Trials are right from a round on that is drawn, or right and wrong again by chance: 0.95 of them at round 100.
-
     The first time with enough in 60 trials would be 1.1 and 1.7 points short. The mean over 400 plans has a standard
     error of 0.13 points; times that are looked at are 5 % apart. Of 400 intervals of 95 %, 369 or more hold in all but
-    one case of a hundred.
-    """
+    one case of a hundred."""
     rng, rounds = np.random.default_rng(407), np.unique(np.geomspace(60, 250, 30).round().astype(int))
 
     def true(n):
@@ -225,10 +213,8 @@ def test_among_few_robots_a_share_of_liars_is_none():
 
 
 class Independent(Search):
-    """Swarms that are right or wrong as a whole, 0.95 of those of 60 robots right.
-
-    A size has the same trials as often as it is asked for, and fresh ones are others.
-    """
+    """Swarms that are right or wrong as a whole, 0.95 of those of 60 robots right. A size has the same trials as often
+    as it is asked for, and fresh ones are others."""
 
     number = 0
 
@@ -244,11 +230,9 @@ class Independent(Search):
 
 @pytest.mark.long
 def test_smallest_swarms_are_right_on_average():
-    """The first of single sizes with enough in 200 trials would be a point short, and 1.5 points off either way.
-
-    The means over 150 plans have standard errors of 0.1 points. Of 150 intervals, 136 or more hold in all but one case
-    of a hundred.
-    """
+    """The first of single sizes with enough in 200 trials would be a point short, and 1.5 points off either way. The
+    means over 150 plans have standard errors of 0.1 points. Of 150 intervals, 136 or more hold in all but one case of a
+    hundred."""
     tables = RING | {"swarm": {"accuracy": 0.7, "brain": "commons"}}
     mission = mission_of(tables, trials=200, minutes=0.07, topology="full")
     search, kept, told, held = Independent(mission, 1, QUIET["progress"]), [], [], 0
@@ -329,8 +313,8 @@ def test_the_smallest_swarm_at_a_density_brings_its_area_along():
 def test_of_several_accuracies_the_worst_is_planned_for():
     given = ["U(0.6, 0.8)", 0.65, {"black": 0.9, "white": 0.7}, "N(0.75, 0.05)", 0.75]
     alone = [mission_of(changed(accuracy=one)) for one in given]
-    needs = [readings_needed(mission, worst_fill_ratios(mission)[0]) for mission in alone]
-    [chosen] = with_worst_accuracy(missions_of(changed(accuracy={"worst": given})))
+    needs = [predictions.readings_needed(mission, predictions.worst_fill_ratios(mission)[0]) for mission in alone]
+    [chosen] = predictions.with_worst_accuracy(missions_of(changed(accuracy={"worst": given})))
     assert chosen.accuracy == alone[int(np.argmax(needs))].accuracy
     assert str(chosen.accuracy) == "0.65"
     both, single = (sc.plan(changed(accuracy=one), **QUIET) for one in ({"worst": [0.75, 0.65]}, 0.65))
@@ -394,21 +378,21 @@ def test_factor_of_random_pairwise_means():
             for _ in range(rng.poisson(robots * rate / 2)):
                 pair = rng.choice(robots, 2, replace=False)
                 weights[pair] = weights[pair].mean(axis=0)
-    assert squares / ticks**2 == pytest.approx(meeting_factors(robots, rate, ticks), rel=0.06)
+    assert squares / ticks**2 == pytest.approx(predictions.meeting_factors(robots, rate, ticks), rel=0.06)
 
 
 def test_the_rate_of_meetings_is_that_of_a_gas_of_discs():
     body = Body(turn_most=0, straight_mean=1e9)  # straight on for ever
     by_hand = 2 * 0.7 * (29 / 100) * 4 / math.pi * 0.14 * 0.1
-    assert meeting_rate(30, 10.0, body) == pytest.approx(by_hand)
-    assert meeting_rate(1, 10.0, body) == 0.0
+    assert predictions.meeting_rate(30, 10.0, body) == pytest.approx(by_hand)
+    assert predictions.meeting_rate(1, 10.0, body) == 0.0
 
 
 @pytest.mark.parametrize(("f", "b", "w"), [(0.5, 0.7, 0.7), (0.3, 0.9, 0.6)])
 def test_readings_needed_hold_in_the_exact_law(f, b, w):
     """Of a robot alone on a floor without end: the exact law has steps, which 0.5 points allow for."""
     found = on_network("ring", accuracy={"black": b, "white": w}, fill_ratio=f)
-    needed = readings_needed(found, f)
+    needed = predictions.readings_needed(found, f)
     by_hand = (b + w - 1) * f + 1 - w
     by_hand = by_hand * (1 - by_hand) / (b + w - 1) ** 2 * (1.959964 / 0.05) ** 2
     assert needed == pytest.approx(by_hand, rel=1e-4)
@@ -419,19 +403,19 @@ def test_readings_needed_hold_in_the_exact_law(f, b, w):
 def test_the_worst_fill_ratio_is_found_by_brute_force():
     found = on_network("ring", accuracy={"black": 0.9, "white": 0.6}, fill_ratio={"worst": [0.2, 0.8]})
     every = np.linspace(0.2, 0.8, 601)
-    needs = [readings_needed(found, float(f)) for f in every]
-    first, *others = worst_fill_ratios(found)
-    assert readings_needed(found, first) >= 0.9999 * max(needs)
+    needs = [predictions.readings_needed(found, float(f)) for f in every]
+    first, *others = predictions.worst_fill_ratios(found)
+    assert predictions.readings_needed(found, first) >= 0.9999 * max(needs)
     assert set(others) <= {0.2, 0.8}
     bins = on_network("ring", right=10, margin=0.03)
-    edge = np.abs(worst_fill_ratios(bins)[0] * 10 - np.round(worst_fill_ratios(bins)[0] * 10)) / 10
-    assert edge == pytest.approx(0.03)
+    worst = 10 * predictions.worst_fill_ratios(bins)[0]
+    assert abs(worst - round(worst)) / 10 == pytest.approx(0.03)
 
 
 def test_mixing_on_a_network_is_that_of_theory():
     found = on_network("ring")
-    needed = readings_needed(found, 0.5)
-    start = predict(found, 20, needed)
+    needed = predictions.readings_needed(found, 0.5)
+    start = predictions.predict(found, 20, needed)
     matrix = theory.mixing_matrix("ring", 20)
     rounds = np.arange(1, 400)
     enough = 4 / theory.variance_factors(matrix, rounds)[:, 0] >= needed
@@ -439,31 +423,32 @@ def test_mixing_on_a_network_is_that_of_theory():
     assert first <= start.mixed <= 1.1 * first + 1
     assert start.alone == pytest.approx(needed / 4)
     assert start.pooled == pytest.approx(needed / 4 / 20)
-    everyone = predict(on_network("full"), 20, needed)
+    everyone = predictions.predict(on_network("full"), 20, needed)
     assert everyone.mixed == pytest.approx(everyone.pooled, rel=0.1)
 
 
 def test_robots_that_fail_make_a_smaller_swarm():
     fault = {"at": 1, "robots": 0.5, "stop": "sensing"}
-    whole, half = (predict(mission(faults=faults), 10, 1000.0) for faults in ([], [fault]))
+    whole, half = (predictions.predict(mission(faults=faults), 10, 1000.0) for faults in ([], [fault]))
     assert half.pooled == pytest.approx(2 * whole.pooled)
     assert half.mixed > whole.mixed
 
 
 def test_floor_limit_applies_to_the_nominal_fill_ratio():
     nominal = mission(truth="nominal", side=1)
-    assert least_deviation(nominal, 0.5) == pytest.approx(math.sqrt(0.25 / round(tiles_of(nominal))), rel=1e-6)
-    assert least_deviation(mission(side=1), 0.5) < 1e-6
-    assert variance(nominal, 0.5, 100.0) > variance(mission(side=1), 0.5, 100.0)
+    tiles = round(predictions.tiles_of(nominal))
+    assert predictions.least_deviation(nominal, 0.5) == pytest.approx(math.sqrt(0.25 / tiles), rel=1e-6)
+    assert predictions.least_deviation(mission(side=1), 0.5) < 1e-6
+    assert predictions.variance(nominal, 0.5, 100.0) > predictions.variance(mission(side=1), 0.5, 100.0)
     unequal = on_network("ring", accuracy="U(0.6,0.9)")
     told = np.mean(theory.information(0.5, np.linspace(0.6, 0.9, 2001)))
-    assert variance(unequal, 0.5, 10.0) == pytest.approx(1 / told / 10, rel=0.05)
+    assert predictions.variance(unequal, 0.5, 10.0) == pytest.approx(1 / told / 10, rel=0.05)
 
 
 @pytest.mark.parametrize("topology", ["ring", "full", "moving"])
 def test_mixing_without_messages(topology):
     found = mission(link_success=0.0) if topology == "moving" else on_network(topology, link_success=0.0)
-    start = predict(found, 10, 1000.0)
+    start = predictions.predict(found, 10, 1000.0)
     assert start.mixed == start.alone > start.pooled
     heard = mission() if topology == "moving" else on_network(topology)
-    assert predict(heard, 10, 1000.0).mixed < start.alone
+    assert predictions.predict(heard, 10, 1000.0).mixed < start.alone
