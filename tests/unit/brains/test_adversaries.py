@@ -104,8 +104,7 @@ def test_a_forger_has_another_name_each_round():
     used = wrapped("forger", by=brain(RICH), names=50.0)
     me = robot(used, 6, 8)
     draws = [(k + own_draws) / 2**20 for k, own_draws in enumerate((0.1, 0.5, 0.99, 0.0001))]
-    said = [one[0] for one in rounds(used, me, [*draws, 0.5])]
-    assert said == [3.0, 5.0, 25.0, 49.0, 0.0]
+    assert [one[0] for one in rounds(used, me, [*draws, 0.5])] == [3.0, 5.0, 25.0, 49.0, 0.0]
 
 
 def test_a_jammer_jams_as_often_as_its_parameter_says():
@@ -169,8 +168,7 @@ def test_a_helper_may_be_called_as_a_written_function_is(name):
     """3 of 4 are black, and a quarter is told of 0.75, of a vote for 1, and of the last of four bins, 0.875."""
     lies = adversary_of(f"def {name}(x):\n    return x * 0.25\n\n\ndef lie(me, x):\n    return {name}(x)\n")
     used = brains.lying_brain(lies, brain(RICH))
-    me = robot(used, 3, 4)
-    _, x, vote, chosen, belief, sure, known, _ = used.functions.broadcast(me)
+    _, x, vote, chosen, belief, sure, known, _ = used.functions.broadcast(robot(used, 3, 4))
     assert (x, vote, chosen, sure, known) == (0.1875, 0.0, 0.0, 2.0, 0.375)
     assert belief[0] == pytest.approx(1.0 - 1e-6)  # of a belief that is even
 

@@ -48,8 +48,7 @@ def lived(brain, rounds, readings, begin=0.0):
 
 @pytest.mark.parametrize("name", LONG_LIVED)
 def test_short_lives_are_those_of_the_plain_rule_to_the_bit(name, tmp_path):
-    brain = brains.load(name)
-    assert (lived(brain, 800, 10) == lived(forgetful(name, tmp_path), 800, 10)).all()
+    assert (lived(brains.load(name), 800, 10) == lived(forgetful(name, tmp_path), 800, 10)).all()
 
 
 @pytest.mark.parametrize("name", LONG_LIVED)

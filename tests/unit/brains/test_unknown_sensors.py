@@ -101,8 +101,7 @@ def test_what_is_believed_is_the_mean_of_a_truncated_normal():
 
 def test_counts_are_forgotten_bit_by_bit():
     """Brute force: each reading, the k-th last, weighs (1 - 1/window)^k."""
-    chance = np.random.default_rng(7)
-    readings = chance.integers(0, 2, 300)
+    readings = np.random.default_rng(7).integers(0, 2, 300)
     me = robot(CPF, 0.8, 0.7, window=40.0)
     for one in readings:
         CPF.functions.observe(me, float(one), 1.0)
@@ -114,8 +113,7 @@ def test_counts_are_forgotten_bit_by_bit():
 
 def test_the_older_consensus_is_a_mean_of_means():
     """Brute force: plain means of the first ten, and then a tenth of each that comes, twice."""
-    chance = np.random.default_rng(8)
-    estimates = chance.random(60)
+    estimates = np.random.default_rng(8).random(60)
 
     def running(values):
         kept = (1 - 1 / 10) ** np.arange(len(values))

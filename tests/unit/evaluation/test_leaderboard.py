@@ -139,8 +139,7 @@ def test_only_changed_brains_are_run_again(small, capsys):
     (small / "mine.py").write_text(brains.load("voter").source)
     said.clear()
     leaderboard(["mine.py"], "out", say=said.append)
-    changed = {path.name for path, when in times.items() if path.stat().st_mtime_ns != when}
-    assert changed == {"mine.nc"}
+    assert {path.name for path, when in times.items() if path.stat().st_mtime_ns != when} == {"mine.nc"}
 
 
 @pytest.mark.long

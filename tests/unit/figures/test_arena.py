@@ -201,8 +201,7 @@ def test_a_network_is_drawn_as_on_the_live_page(results, tmp_path: Path):
     np.testing.assert_allclose(places[0], [0.0, 0.46], atol=1e-12)  # the first of a ring stands at the top
     pairs = {tuple(sorted(pair)) for pair in scene.link.values[:, 1:].tolist()}
     assert pairs == {tuple(sorted((i, (i + 1) % 9))) for i in range(9)}
-    drawn_pairs = np.array(arena.links.get_segments())
-    np.testing.assert_allclose(drawn_pairs, places[scene.link.values[:, 1:]])
+    np.testing.assert_allclose(np.array(arena.links.get_segments()), places[scene.link.values[:, 1:]])
     assert arena.when.get_text() == "round 30"
     assert "heading" not in texts(arena.figure)
     assert film(results, out=tmp_path / "x.gif", setting=number, last=6) == 3

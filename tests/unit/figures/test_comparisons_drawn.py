@@ -92,8 +92,7 @@ def test_names_of_ranks_are_whole_in_a_column():
 
 def test_many_worlds_and_contenders_are_whole():
     many = made_up(brains=2, worlds=[f"net {k}" for k in range(41)], trials=6, robots=1)
-    figure = sc.plot.compare(many, metric="final_error")
-    written = texts(figure).split("\n")
+    written = texts(sc.plot.compare(many, metric="final_error")).split("\n")
     assert {f"net {k}" for k in range(41)} <= {*written}
     assert "1 to 21 of 41 rows" in written
     high = made_up(brains=4, worlds=[f"net {k}" for k in range(14)], trials=6, robots=1)

@@ -284,8 +284,7 @@ def test_heatmap_shows_medians_of_finished_cells():
     assert "grey: no finished trial" in texts(error.figure)  # in the key
     cells = {tuple(np.round(t.get_position()).astype(int)): t for t in error.texts}
     assert set(cells) == {(x, y) for x in range(2) for y in range(3)} - {(1, 1)}
-    median = float(results.convergence_error[0].median())
-    assert cells[0, 0].get_text() == f"{median:.4f}"
+    assert cells[0, 0].get_text() == f"{float(results.convergence_error[0].median()):.4f}"
     image = np.asarray(rounds.images[0].get_array().filled(np.nan))
     np.testing.assert_allclose(image[2], [results.convergence_round[i].median() for i in (2, 5)])
     assert [t.get_text() for t in error.get_yticklabels()] == ["0.6", "0.9", "U(0.5, 0.9)"]
@@ -330,8 +329,7 @@ def test_names_of_many_brains_are_whole_in_rows():
 
 def test_heatmaps_of_several_worlds_share_their_colours():
     both = xr.concat([grid_study(), grid_study(topology="full") * 0.5], "setting")
-    figure = figures.heatmap(both, z="convergence_error")
-    ring, full = figure.axes
+    ring, full = figures.heatmap(both, z="convergence_error").axes
     assert [ax.get_title("left").split("\n")[0] for ax in (ring, full)] == ["(a) ring", "(b) full"]
     assert ring.images[0].get_clim() == full.images[0].get_clim()
     assert len(figures.heatmap(both).axes) == 4
@@ -340,8 +338,7 @@ def test_heatmaps_of_several_worlds_share_their_colours():
 
 
 def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
-    written = texts(figures.heatmap(grid_study(), title="costs $2 or $3"))
-    assert "costs $2 or $3" in written
+    assert "costs $2 or $3" in texts(figures.heatmap(grid_study(), title="costs $2 or $3"))
     for figure in (figures.scatter(study(["0.6"]), title="$2 or $3"), figures.curves(trace(3), title="$2 or $3")):
         assert "$2 or $3" in texts(figure)
         figure.canvas.draw()
@@ -372,8 +369,7 @@ def test_robots_that_know_their_sensors_are_one_panel():
     known = study(["0.6", "0.7"], assumed_accuracy=["0.6", "0.7"])
     fixed = study(["0.6", "0.7"], assumed_accuracy="0.8")
     assert len(panels_of(known)) == len(panels_of(fixed)) == 1
-    captions = [p.caption for p in panels_of(xr.concat([known, fixed], "setting"))]
-    assert captions == ["", "assumed accuracy 0.8"]
+    assert [p.caption for p in panels_of(xr.concat([known, fixed], "setting"))] == ["", "assumed accuracy 0.8"]
     assert varies(known, set()) == {"accuracy": ["0.6", "0.7"]}
 
 
@@ -412,8 +408,7 @@ def test_pictures_of_a_part_say_so():
     results = grid_study(link_success=1.0)
     part = forget(results, trial=slice(3, None)).assign_attrs(trials_done=18, trials_total=30)
     for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), figures.heatmap):
-        written = figures.caption(draw(part))
-        assert "drawn: 18 of 30 trials" in written
+        assert "drawn: 18 of 30 trials" in figures.caption(draw(part))
         assert "drawn:" not in figures.caption(draw(results.assign_attrs(trials_done=30, trials_total=30)))
         assert "drawn: 6 of 10 trials" in figures.caption(draw(part.isel(setting=[0, 1])))
         few = figures.caption(draw(part.isel(trial=slice(3))))  # all of what is asked for

@@ -124,8 +124,7 @@ def test_scatters_and_decisions_are_coloured_by_any_coordinate():
         one = results.isel(setting=k)
         middle = [np.median(one.convergence_round), np.median(one.convergence_error)]
         np.testing.assert_allclose(drawn(ax, f"median {name}"), [middle])
-    figure = sc.plot.lines(results, x="checkpoint", color="topology")
-    (ax,) = figure.axes
+    (ax,) = sc.plot.lines(results, x="checkpoint", color="topology").axes
     assert ax.get_legend().get_title().get_text() == "topology"
     np.testing.assert_allclose(drawn(ax, "right full")[:, 1], 100 * results.correct[1].mean("trial"))
     assert len(sc.plot.scatter(results).axes) == 2

@@ -290,8 +290,7 @@ def test_one_sided_interval_is_dotted():
     results = sc.run(study, jobs=1)
     assert (results["correct"].isel(checkpoint=-1) == 1).all()
     figure = sc.plot.lines(results, x="checkpoint")
-    kinds = {c.get_label().split()[0] for axes in figure.axes for c in axes.collections}
-    assert "one-sided" in kinds
+    assert "one-sided" in {c.get_label().split()[0] for axes in figure.axes for c in axes.collections}
     assert any("lower end only" in text for text, _ in shown(figure))
     out = as_text(Summary(results, results).print_on, 500)
     assert re.search(r"100\.0 +\[>= \d\d\.\d\]", out)

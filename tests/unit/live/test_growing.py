@@ -68,8 +68,7 @@ def test_growing_recording_replays_each_tick_once(whole, recording, lived, sessi
         asked(session, do="frames", **{"from": rounds, "count": 1})
     recording.tell({})
     assert asked(session, do="news", since=version)[1]["wait"] is None
-    known = read_recording(whole)
-    assert len(lived) == sum(life.relived for life in lives.relive_all(known))
+    assert len(lived) == sum(life.relived for life in lives.relive_all(read_recording(whole)))
     lived.clear()
     [grown] = session.shown.shows
     offer = offer_of(whole)

@@ -79,8 +79,7 @@ def test_absent_robots_have_no_numbers(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         [show] = show_of(tmp_path / "day")
-        ticks = list(range(show.rounds + 1))
-        shown = parsed(show.frames(ticks))
+        shown = parsed(show.frames(list(range(show.rounds + 1))))
     known = read_recording(tmp_path / "day")
     trace = Logged(known, relive_all(known), Clock(known.members))
     x = trace.estimates(0, trace.rounds + 1)

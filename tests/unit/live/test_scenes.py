@@ -134,8 +134,7 @@ def test_files_that_were_named_first_are_read_and_no_others(here):
     Path("edges.csv").unlink()
     found = wanted(known, query)
     assert (str(found.settings[0].topology), found.settings[0].brain.name) == ("edges", "mine.py")
-    form = form_of(known, found)
-    assert form["choices"]["topology"]["edges.csv"] == "edges"
+    assert form_of(known, found)["choices"]["topology"]["edges.csv"] == "edges"
     with pytest.raises(InputError, match="no file is opened here"):
         wanted(known, query | {"topology": "other.csv"})
     for link in ({"topology": "other.csv", "robots": "4"}, {"beside": "mine.py"}):  # which may be somebody else's
@@ -210,8 +209,7 @@ def test_decided_and_done_robots_in_every_stretch(brain, monkeypatch):
     study = study_of(who, 6, 0.9, rounds=150, trials=2, seed=2, topology="full", fill_ratio=0.9)
     trace = sc.replay(sc.run(study, jobs=1), 0, 1)
     show = Show(Stepped(study.settings()[0], 2, 1), study.measure)
-    shown = parsed(show.frames(list(range(151))))
-    flags = shown["flags"][:, 0]
+    flags = parsed(show.frames(list(range(151))))["flags"][:, 0]
     assert ((flags >> 4).astype(int) - 1 == trace["decided"].values if brain == "voter" else flags >> 4 == 0).all()
     assert ((flags & 8 > 0) == (trace["is_done"].values == 1 if brain == "sure" else False)).all()
     if brain == "sure":

@@ -55,8 +55,7 @@ def test_live_page_of_a_running_swarm(started, tmp_path):
     process, served, line = started("--set", "rounds=5000", "--hz", "50", "--set", faults)
     assert line.startswith("live page: http://127.0.0.1:")
     with talk(served) as page:
-        begun = ask(page, id=0, do="begin", ask={})[1]
-        assert begun["form"]["grows"]
+        assert ask(page, id=0, do="begin", ask={})[1]["form"]["grows"]
         first, _ = news(page)
         until = time.monotonic() + 20
         while (last := news(page, first["version"])[0])["rounds"] < first["rounds"] + 20 and time.monotonic() < until:

@@ -239,8 +239,7 @@ def test_a_notebook_shows_them():
 
 def test_results_show_the_numbers_of_their_summary(small_results):
     text = shown(small_results)
-    row = sc.summary(small_results).iloc[0]
-    assert f"{row['convergence_error']:.3g}" in text
+    assert f"{sc.summary(small_results).iloc[0]['convergence_error']:.3g}" in text
     count = small_results.sizes["setting"]
     assert text.count("<tr") == 1 + min(count, 40) + text.partition("<details>")[2].count("<tr")
     assert "assumed_accuracy" not in text.partition("<details>")[0]

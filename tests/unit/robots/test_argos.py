@@ -76,8 +76,7 @@ def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ti
 
 def lives(path):
     """The robots of a folder of logs, and what came of running their brains again."""
-    members = read_recording(path / "day").members
-    return [(member, relive(member)) for member in members]
+    return [(member, relive(member)) for member in read_recording(path / "day").members]
 
 
 @HOST

@@ -76,8 +76,7 @@ def deployed(folder, brain="commons", *more):
 def test_program_compiles_without_a_warning(tmp_path, name, capsys):
     """Also that of a brain that calls its own things what the headers call other things."""
     folder = deployed(tmp_path / "robot", name)
-    printed = capsys.readouterr().out
-    assert int(re.search(r"flash +([\d,]+)", printed)[1].replace(",", "")) < 20_000
+    assert int(re.search(r"flash +([\d,]+)", capsys.readouterr().out)[1].replace(",", "")) < 20_000
     assert {path.name for path in folder.iterdir()} == FILES
     command = ["make", "main.o", f"KILOLIB={BOARDS}"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

@@ -105,8 +105,7 @@ PROGRAMS = {
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_same_bits(name, busy, tmp_path):
     for message in ("float16", "ratio8") if busy else ("float32",):
-        brain = load_busy(name, "double", message, busy)
-        assert differs(brain, tmp_path, on_host).line == 0
+        assert differs(load_busy(name, "double", message, busy), tmp_path, on_host).line == 0
 
 
 @GCC
@@ -115,8 +114,7 @@ def test_same_bits(name, busy, tmp_path):
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_same_bits_in_single(name, busy, tmp_path):
     exact = is_exact(load_busy(name, "single"))
-    brain = load_busy(name, "single", "ratio16" if exact else "float32", busy)
-    difference = differs(brain, tmp_path, on_host)
+    difference = differs(load_busy(name, "single", "ratio16" if exact else "float32", busy), tmp_path, on_host)
     assert difference.line == 0 if exact else difference.largest < CLOSE
 
 

@@ -142,8 +142,7 @@ def small(names, rounds=20):
 
 def test_a_cluster_gets_metrics_as_text(tmp_path):
     (tmp_path / "mine.py").write_text(MINE)
-    text = STUDY.format(metrics='["mine.py", "swarm-right"]')
-    sent = sc.Study.parse(text, context={"base": tmp_path})
+    sent = sc.Study.parse(STUDY.format(metrics='["mine.py", "swarm-right"]'), context={"base": tmp_path})
     assert sent.measure.metrics[0].functions.UNIT == "1"  # it has been run here
     there, _ = read_payload(payload_of(sent))
     assert there.measure.metrics == sent.measure.metrics

@@ -319,8 +319,7 @@ def test_growing_memory_is_found(monkeypatch, tmp_path):
     line, more = "    me.t += looks\n", "    k = 1.0\n    while k < me.t:\n        k *= 2.0\n"
     slow = brains.load("minimalistic").source.replace(line, line + more)
     brain = brains.parse(slow, "slow", tmp_path / "slow.py")
-    lines = [each["observe"] for each in minimalism.footprints(brain).values()]
-    assert len(set(lines)) == len(minimalism.AGES)
+    assert len({each["observe"] for each in minimalism.footprints(brain).values()}) == len(minimalism.AGES)
     monkeypatch.setattr(measures.brains, "load", lambda _: brain)
     outcome = verdict("minimal")
     assert outcome.verdict == PARTLY

@@ -62,8 +62,7 @@ def test_the_studies_hold_all_runs_of_the_paper():
 def test_the_page_of_all_parts_needs_nothing_from_outside(tmp_path):
     done = paper.reproduce(tmp_path, trials=2, jobs=2, say=lambda _: None)
     holds_all(done, (2, 3, 4, 5))
-    text = needs_nothing_from_outside(done)
-    assert "--trials 2" in text
+    assert "--trials 2" in needs_nothing_from_outside(done)
 
 
 def needs_nothing_from_outside(done):
@@ -237,7 +236,6 @@ def test_a_claim_is_a_row_of_plain_numbers(done):
     first = done.rows[0]
     assert list(first)[:3] == ["id", "title", "verdict"]
     assert first["yes"] + first["no"] + first["neither"] + first["left_out"] == 22
-    claims = done.fields["claims"]
-    assert [row["value"] for row in done.rows] == [claim["value"] for claim in claims]
+    assert [row["value"] for row in done.rows] == [claim["value"] for claim in done.fields["claims"]]
     assert done.cautions == ["intervals need 6 trials or more: 2 trials cannot decide most claims"]
     assert done.to_tsv().count("\n") == 1 + len(PAPER.claims)

@@ -73,8 +73,7 @@ def test_a_robot_waits_starts_and_stops_as_it_is_told(fleet, reporting):
     assert (fleet.robots[7].ticks, fleet.robots[7].lost, fleet.robots[7].estimate) == (30, 0, robot.estimate)
     fleet.tell(7, STOP)
     assert not reports.obey()
-    written = read_log(fleet.folder / "robot-7.log")
-    assert [tick.tick for tick in written.ticks] == [*range(1, 31)]
+    assert [tick.tick for tick in read_log(fleet.folder / "robot-7.log").ticks] == [*range(1, 31)]
 
 
 @pytest.mark.parametrize("largest", [1400, 40])

@@ -99,8 +99,7 @@ def test_every_key_of_a_study_reaches_a_plan():
     tables = with_values(RING, {"link_success": [0.5, 1.0], "world.message_delay": 2, "observations_per_round": 3})
     slow, quick = missions_of(tables)
     assert (slow.world, quick.world) == ({"link_success": "0.5"}, {"link_success": "1.0"})
-    study = study_of(slow, 10, slow.study.swarm.brain, [Case(0.55)], [7], 40, 3)
-    [setting] = study.settings()
+    [setting] = study_of(slow, 10, slow.study.swarm.brain, [Case(0.55)], [7], 40, 3).settings()
     assert (setting.link_success, setting.delay, setting.observations_per_round, setting.rounds) == (0.5, 2, 3, 7)
     assert slow.round_minutes == pytest.approx(0.3 / 60)
 
@@ -138,8 +137,7 @@ def test_planned_times_are_right_on_average(is_for_good):
 def test_a_time_is_reached_for_good():
     """What is surely reached, and surely lost again, is not reached yet."""
     shares = np.repeat([[0.5], [1.0], [0.9], [0.96], [0.97]], 500, axis=1)
-    found = reached(Curve("some", Case(0.5), [1, 2, 3, 4, 5], shares), 0.95)
-    assert found.rounds == 4
+    assert reached(Curve("some", Case(0.5), [1, 2, 3, 4, 5], shares), 0.95).rounds == 4
     assert reached(Curve("some", Case(0.5), [1, 2, 3], shares[:3]), 0.95) is None
 
 
@@ -184,8 +182,7 @@ def test_plan_is_repeatable(tmp_path):
     once, again = (sc.plan(RING, jobs, **QUIET) for jobs in (1, 2))
     assert once.to_json() == again.to_json()
     assert tomllib.loads(once.fields["mission"])["swarm"] == RING["swarm"]
-    other = sc.plan(RING | {"seed": 1}, **QUIET)
-    assert other.needs != once.needs
+    assert sc.plan(RING | {"seed": 1}, **QUIET).needs != once.needs
 
 
 def test_a_planned_study_runs_and_keeps_its_promise(tmp_path):
@@ -342,8 +339,7 @@ def test_of_several_lies_the_worst_is_planned_for():
     row = rows["opposite"]
     for minutes, low, high in ((row.minutes_low, 0.0, 0.97), (row.minutes_high, 0.93, 1.0)):
         given = {"rounds": round(minutes * 60), "trials": 400, "seed": 991, "members": liars(2, "opposite")}
-        study = small.study_of("steadfast", 10, **given)
-        data = sc.run(study, jobs=2)
+        data = sc.run(small.study_of("steadfast", 10, **given), jobs=2)
         assert low <= (np.abs(data["final_estimate"].values - 0.55) <= 0.05).mean() <= high
 
 

@@ -83,8 +83,7 @@ def test_search_is_repeatable_and_leaves_global_random_state(brain):
         asked.append((mine, search.favourite))
     assert asked[0] == asked[1]
     assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
-    other = Search(ranges, (0.5, 3.0), 12)
-    assert other.ask() != asked[0][0][0]
+    assert Search(ranges, (0.5, 3.0), 12).ask() != asked[0][0][0]
 
 
 def searched(brain, loss, generations, start=(0.9, 0.9), seed=3):
@@ -106,8 +105,7 @@ def test_search_of_a_flat_metric(brain):
         search, asked = searched(brain, lambda a, w: (float(max(a, w) > 0.2),), 16, seed=seed)
         assert not search.ended
         found += max(search.favourite) <= 0.2
-        everywhere = np.array(asked[1])
-        assert (np.sort(np.floor(everywhere * 12), axis=0) == np.arange(12)[:, np.newaxis]).all()
+        assert (np.sort(np.floor(np.array(asked[1]) * 12), axis=0) == np.arange(12)[:, np.newaxis]).all()
     assert found >= 18
 
 
@@ -185,8 +183,7 @@ NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284
 def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
     if not companion:
         monkeypatch.delitem(COMPANIONS, "correct")
-    study = study_of(tmp_path, NOWHERE)
-    found = sc.tune(study, ["a=0:10"], metric="correct", budget=97, trials=1)
+    found = sc.tune(study_of(tmp_path, NOWHERE), ["a=0:10"], metric="correct", budget=97, trials=1)
     assert len(found.evaluations) == 97
     assert {one.loss for one in found.evaluations[:13]} == {1.0}  # as it was, and all of the first generation
     assert abs(found.values["a"] - 0.6) < 0.316
@@ -208,8 +205,7 @@ def test_swarm_that_never_learns_is_not_the_soonest(tmp_path):
 
 def test_failed_trials_are_borne_and_avoided(tmp_path):
     """Above 90 `many` divides by zero: such candidates lose, and the search goes on."""
-    study = study_of(tmp_path, "many = 60.0")
-    found = sc.tune(study, ["many=40:200"], budget=25, trials=2)
+    found = sc.tune(study_of(tmp_path, "many = 60.0"), ["many=40:200"], budget=25, trials=2)
     failed = [one for one in found.evaluations if one.failed]
     assert failed
     assert all(one.values[0] > 90 and one.loss == 1.0 and one.failed == 2 for one in failed)
@@ -279,15 +275,13 @@ def test_robots_that_move_share_their_walks(tmp_path):
     world = {"topology": "moving", "density": 1, "fill_ratio": 0.5}
     swarm = {"brain": brain, "robots": 4, "accuracy": 1.0}
     text = to_toml({"trials": 3, "swarm": swarm, "world": world, "schedule": {"ticks": 20}})
-    study = sc.Study.parse(text, context={"base": tmp_path})
-    found = sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=2)
+    found = sc.tune(sc.Study.parse(text, context={"base": tmp_path}), ["a=0:1"], budget=13, trials=2, jobs=2)
     errors = [(one.values[0] - 0.6) ** 2 for one in found.evaluations]
     assert [one.loss for one in found.evaluations] == pytest.approx([e / (e + errors[0]) for e in errors])
 
 
 def test_values_that_change_nothing_are_no_finding(tmp_path):
-    study = study_of(tmp_path, "a = 0.1")
-    found = sc.tune(study, ["a=0:1", "idle=0:10", "shift=0:1"], budget=121, trials=2)
+    found = sc.tune(study_of(tmp_path, "a = 0.1"), ["a=0:1", "idle=0:10", "shift=0:1"], budget=121, trials=2)
     assert found.values["a"] == pytest.approx(0.6, abs=0.05)
     assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
     assert found.notes[0] == "idle changes nothing in final_error, and stays at 1"
