@@ -34,6 +34,15 @@ def at(page, tick):
     playwright.expect(page.locator("#clock")).to_have_text(re.compile(rf"^(tick|round) {tick:,} of"), timeout=20_000)
 
 
+def contrast(colours):
+    """How far two colours stand out from each other, as WCAG computes it; each is three numbers up to 255."""
+    lights = []
+    for parts in colours:
+        r, g, b = (x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in (x / 255 for x in parts))
+        lights.append(0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05)
+    return max(lights) / min(lights)
+
+
 def until(page, what, value):
     """Wait until something in the page is so."""
     for _ in range(200):

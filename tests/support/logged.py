@@ -32,8 +32,8 @@ def made(folder, number, clock, name="commons", now=0, message="ratio16", boot=0
     return robot, air
 
 
-def lives(robots, clock, ticks):
-    """All robots of a fully connected swarm, tick by tick."""
+def live(robots, clock, ticks):
+    """All robots of a fully connected swarm, tick by tick, until their logs are closed."""
     for _ in range(ticks):
         clock.now += 100
         for robot, air in robots:
@@ -41,9 +41,5 @@ def lives(robots, clock, ticks):
             for _, other in robots:
                 if other is not air:
                     other.waiting.extend(air.sent[-1:])
-
-
-def closed(robots):
-    """Close their logs."""
     for robot, _ in robots:
         robot.log.close()

@@ -25,6 +25,13 @@ def logged(folder, brain="commons", more=(), **given):
     return study, setting, swarm
 
 
+def recorded(folder, brain="commons", **given):
+    """Logs of a swarm that lived to its end: its study, and what its robots showed."""
+    study, _, swarm = logged(folder, brain, **given)
+    swarm.run()
+    return study, swarm.close()
+
+
 def estimates_of(recording, lives, rounds):
     return Logged(recording, lives, Clock(recording.members)).estimates(0, rounds + 1)
 

@@ -11,6 +11,7 @@ from swarmcensus import brains
 from tests.support.small import SEED, settings_of
 from tests.support.trials import record_trial
 
+pytestmark = pytest.mark.interpreted
 BAYES, CHANGING = brains.load("bayes-bots"), brains.load("changing-floor")
 SHARING, INDEXED = brains.load("belief-sharing"), brains.load("belief-sharing-indexed")
 H = (np.arange(10) + 0.5) / 10
@@ -19,6 +20,15 @@ H = (np.arange(10) + 0.5) / 10
 def robot(brain, b=0.8, w=0.8, name=0.0, **parameters):
     brain = brain.with_parameters(parameters)
     return brain.robot(b, w, name), brain.functions
+
+
+def one_round(me, functions, blacks=None, looks=1.0, heard=()):
+    """Readings, if there are any, messages, and what follows."""
+    if blacks is not None:
+        functions.observe(me, blacks, looks)
+    for message in heard:
+        functions.receive(me, message)
+    functions.fuse(me)
 
 
 def life(brain, trial=0, robots=8, rounds=30, looks=1):
@@ -46,7 +56,6 @@ class TestBeta:
         assert ((found > 0.01) & (found < 0.99)).sum() > 250
 
 
-@pytest.mark.interpreted
 class TestBayesBots:
     @pytest.mark.long(but_every=2)
     @pytest.mark.parametrize("looks", [1, 5])
@@ -69,9 +78,7 @@ class TestBayesBots:
 
     def test_a_number_counts_once_for_each_sender(self):
         me, functions = robot(BAYES)
-        for message in ((1.0, 1.0, 5.0), (1.0, 1.0, 6.0)):
-            functions.receive(me, message)
-        functions.fuse(me)
+        one_round(me, functions, heard=[(1.0, 1.0, 5.0), (1.0, 1.0, 6.0)])
         for message in ((1.0, 1.0, 5.0), (1.0, 2.0, 6.0), (0.0, 1.0, 6.0), (1.0, 1.0, 133.0)):
             functions.receive(me, message)
         assert (me.black, me.white, me.heard) == (3.0, 0.0, 3.0)  # 133 shares the place of 5, which is held
@@ -80,8 +87,7 @@ class TestBayesBots:
     def test_the_probability_of_soft_feedback(self, seen, size):
         """d (1 - p) + (1 - d) C by hand, against the mean over all lots of what is told."""
         me, functions = robot(BAYES, feedback=2.0, prior=1.0, every=1.0)
-        functions.observe(me, 400.0, 900.0)
-        functions.fuse(me)
+        one_round(me, functions, 400.0, 900.0)
         functions.observe(me, seen, size)
         a, b = 401.0, 501.0
         p = betainc(a, b, 0.5)
@@ -100,8 +106,7 @@ class TestBayesBots:
     def test_debiased(self, brain, b, w):
         """The probability that f < 0.5, by summing the Beta density of black readings over all shares that mean it."""
         me, functions = robot(brain, b, w, debiased=1.0, every=1.0)
-        functions.observe(me, 33.0, 70.0)
-        functions.fuse(me)
+        one_round(me, functions, 33.0, 70.0)
         share = (np.arange(400_000) + 0.5) / 400_000
         weight = np.exp((42.0 * np.log(share / 0.5)) + 46.0 * np.log((1.0 - share) / 0.5))
         below = weight[(share + w - 1.0) / (b + w - 1.0) < 0.5].sum() / weight.sum()
@@ -109,7 +114,6 @@ class TestBayesBots:
         assert functions.estimate(me) == pytest.approx(np.clip((43.0 / 90.0 + w - 1.0) / (b + w - 1.0), 0.0, 1.0))
 
 
-@pytest.mark.interpreted
 class TestChangingFloor:
     @pytest.mark.parametrize("side", [0.0, 1.0])
     @pytest.mark.parametrize("threshold", [0.95, 0.7])
@@ -119,8 +123,7 @@ class TestChangingFloor:
         enough = next(k for k in range(60) if betainc(10.0, 10.0 + k, 0.5) > threshold)
         decisions = []
         for _ in range(enough):
-            functions.observe(me, side, 1.0)
-            functions.fuse(me)
+            one_round(me, functions, side)
             decisions.append(functions.decide(me))
         assert decisions == [-1.0] * (enough - 1) + [side]
         assert enough > 2
@@ -145,15 +148,13 @@ class TestChangingFloor:
         wins, loses = ("black", "white") if side == 1.0 else ("white", "black")
         most = 0.0
         for _ in range(60):
-            functions.observe(me, side, 1.0)
-            functions.fuse(me)
+            one_round(me, functions, side)
             most = getattr(me, wins)
         enough = next(k for k in range(60) if betainc(10.0, 10.0 + k, 0.5) >= 0.99)
         assert (most, getattr(me, loses)) == (enough, 0.0)
         functions.receive(me, (side, 1.0, 4.0, 0.0))
         assert getattr(me, wins) == most
-        functions.receive(me, (1.0 - side, 1.0, 5.0, 0.0))
-        functions.fuse(me)
+        one_round(me, functions, heard=[(1.0 - side, 1.0, 5.0, 0.0)])
         assert getattr(me, loses) == 1.0
         functions.observe(me, side, 1.0)  # believed less than the limit again
         assert getattr(me, wins) == most + 1.0
@@ -165,8 +166,7 @@ class TestChangingFloor:
         me, functions = robot(CHANGING, every=1.0, detect=1.0, alarm=2.0, doubt=0.0)
         sums, alarms = [], []
         for z in (before,) * 12 + (1.0 - before,) * 3:
-            functions.observe(me, z, 1.0)
-            functions.fuse(me)
+            one_round(me, functions, z)
             sums.append(getattr(me, rises))
             alarms.append(me.telling > 0.0)
             assert getattr(me, other) == 0.0
@@ -181,25 +181,17 @@ class TestChangingFloor:
         me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=4.0)
         me.black = 50.0
         for names in ((7.0, 9.0), (9.0, 7.0)):
-            for name in names:
-                functions.receive(me, (1.0, 1.0, name, 1.0))
-            functions.fuse(me)
+            one_round(me, functions, heard=[(1.0, 1.0, name, 1.0) for name in names])
             assert me.black > 0.0
-        functions.receive(me, (1.0, 1.0, 8.0, 1.0))
-        functions.fuse(me)
+        one_round(me, functions, heard=[(1.0, 1.0, 8.0, 1.0)])
         assert (me.black, me.decision, me.telling) == (0.0, -1.0, 0.0)
         for _ in range(4):
-            for name in (7.0, 8.0, 9.0):
-                functions.receive(me, (1.0, 9.0, name, 1.0))
-            functions.fuse(me)
+            one_round(me, functions, heard=[(1.0, 9.0, name, 1.0) for name in (7.0, 8.0, 9.0)])
         assert me.black > 0.0
-        for name in (7.0, 8.0, 9.0):
-            functions.receive(me, (1.0, 10.0, name, 1.0))
-        functions.fuse(me)
+        one_round(me, functions, heard=[(1.0, 10.0, name, 1.0) for name in (7.0, 8.0, 9.0)])
         assert me.black == 0.0
 
 
-@pytest.mark.interpreted
 class TestBeliefSharing:
     def test_one_exchange_of_two_gives_the_joint_posterior(self):
         """With lambda = mu = 1 and no floor; later exchanges would count the first again."""
@@ -259,9 +251,6 @@ class TestBeliefSharing:
 
 
 # ---- bayes-bots and changing-floor, rule by rule
-
-
-@pytest.mark.interpreted
 def test_an_observation_is_sent_until_the_next_is_due():
     me, functions = robot(BAYES, every=2.0, name=3.0)
     assert functions.broadcast(me) is None
@@ -271,13 +260,11 @@ def test_an_observation_is_sent_until_the_next_is_due():
         functions.fuse(me)
 
 
-@pytest.mark.interpreted
 @pytest.mark.parametrize("order", [(133.0, 261.0), (261.0, 133.0)])
 def test_a_place_that_is_free_is_for_the_lowest_name_of_the_round(order):
     """It is free `every` rounds after its observation counted, and then held for as long, also from lower names."""
     me, functions = robot(BAYES, every=2.0)
-    functions.receive(me, (1.0, 1.0, 5.0))
-    functions.fuse(me)
+    one_round(me, functions, heard=[(1.0, 1.0, 5.0)])
     functions.receive(me, (0.0, 1.0, 133.0))
     assert me.heard == 1.0
     functions.fuse(me)
@@ -290,7 +277,6 @@ def test_a_place_that_is_free_is_for_the_lowest_name_of_the_round(order):
     assert (me.black, me.white, me.who[5]) == (2.0, 1.0, 133.0)
 
 
-@pytest.mark.interpreted
 def test_patience_feedback_and_a_blind_sensor():
     """It hears two observations before it decides, tells the decision, and never decides if readings mean nothing."""
     me, functions = robot(BAYES, every=1.0, patience=2.0, feedback=1.0)
@@ -306,12 +292,10 @@ def test_patience_feedback_and_a_blind_sensor():
         assert functions.broadcast(me)[0] == told
         functions.fuse(me)
     me, functions = robot(BAYES, 0.7, 0.3, debiased=1.0, every=1.0)
-    functions.observe(me, 1000.0, 1000.0)
-    functions.fuse(me)
+    one_round(me, functions, 1000.0, 1000.0)
     assert (me.p, functions.decide(me), functions.estimate(me)) == (0.5, -1.0, 0.5)
 
 
-@pytest.mark.interpreted
 def test_changes_are_announced_and_their_senders_remembered():
     me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=3.0)
     me.t, me.up = 100.0, 3.9
@@ -323,19 +307,13 @@ def test_changes_are_announced_and_their_senders_remembered():
     assert told == [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]
     me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=4.0)
     for name in (7.0, 8.0, None, None, None, 9.0):  # the first is too old when the third speaks
-        if name:
-            functions.receive(me, (1.0, 1.0, name, 1.0))
-        functions.fuse(me)
+        one_round(me, functions, heard=[(1.0, 1.0, name, 1.0)] if name else [])
     assert (me.black, list(me.tellers)) == (3.0, [9.0, 1e30, 1e30])
     me, functions = robot(CHANGING, every=1.0, alarm=0.0)  # without a detector
-    functions.observe(me, 0.0, 1.0)
-    for name in (1.0, 2.0, 3.0):
-        functions.receive(me, (0.0, 1.0, name, 1.0))
-    functions.fuse(me)
+    one_round(me, functions, 0.0, heard=[(0.0, 1.0, name, 1.0) for name in (1.0, 2.0, 3.0)])
     assert (me.white, me.telling) == (4.0, 0.0)
 
 
-@pytest.mark.interpreted
 def test_beliefs_are_sent_once_a_step_and_blind_sensors_send_nothing():
     for brain in (SHARING, INDEXED):
         me, functions = robot(brain, every=3.0)
@@ -347,6 +325,5 @@ def test_beliefs_are_sent_once_a_step_and_blind_sensors_send_nothing():
         assert said == [False, False, True] * 3
     for debiased, choice in ((0.0, 9.0), (1.0, -1.0)):
         me, functions = robot(SHARING, 0.5, 0.5, debiased=debiased, every=1.0)
-        functions.observe(me, 40.0, 40.0)
-        functions.fuse(me)
+        one_round(me, functions, 40.0, 40.0)
         assert functions.decide(me) == choice

@@ -41,8 +41,6 @@ def ring(number, before=1, after=1):
 
 
 # ---- each equation by hand
-
-
 def test_a_message_has_the_sums_without_gain_running_means_and_what_is_known_of_the_network():
     """k = 0.5: three of four black add 0.5 (3 - 4 0.3) = 0.9 to s, and 0.25 4 = 1 to v."""
     (me,) = robots(1)
@@ -70,16 +68,13 @@ def test_the_estimate_is_averaged_with_what_all_voices_read():
         assert me.x == pytest.approx(mixed)
 
 
-@pytest.mark.parametrize(
-    ("least", "fields"),
-    [
-        (Z**2, {"heard_s": 1.0, "heard_short": 0.5}),
-        (LONE**2, {"heard_s": 1.0, "heard_short": 1.5}),  # nobody else sees it
-        (CONFIRM**2, {"heard": 3.0, "begun": 4.0}),
-        (CONFIRM**2 + 2.7726, {"heard": 7.0, "begun": 2.0}),  # 2 ln 4
-        (Z**2, {"heard": 1e9, "begun": 1.0}),  # never more than for a change that nobody else found
-    ],
-)
+@pytest.mark.parametrize(("least", "fields"), [
+    (Z**2, {"heard_s": 1.0, "heard_short": 0.5}),
+    (LONE**2, {"heard_s": 1.0, "heard_short": 1.5}),  # nobody else sees it
+    (CONFIRM**2, {"heard": 3.0, "begun": 4.0}),
+    (CONFIRM**2 + 2.7726, {"heard": 7.0, "begun": 2.0}),  # 2 ln 4
+    (Z**2, {"heard": 1e9, "begun": 1.0}),  # never more than for a change that nobody else found
+])  # fmt: skip
 @pytest.mark.parametrize("state", [MIXED, STILL])
 def test_what_shows_a_change(least, fields, state):
     for times in (0.99, 1.01):
@@ -119,8 +114,6 @@ def test_sums_of_marks_that_are_equal_by_chance_do_not_end_momentum():
 
 
 # ---- brute force
-
-
 @pytest.mark.parametrize("who", [0, 1])
 def test_all_readings_weigh_alike_in_a_star(who):
     """The ratio is the share of one robot's readings in the sums: without weights 0.38 of the hub, 0.13 of a leaf."""
@@ -165,10 +158,8 @@ def test_weights_of_all_readings_by_matrices(before, after, loses):
 
 @pytest.mark.parametrize("late", [False, True])
 def test_nothing_is_biased_by_losses_lateness_and_late_joiners(late):
-    """Readings that are what is expected of f leave every ratio at f, whatever is heard, and when.
-
-    All have momentum for ten rounds, unless some begin late; then messages of robots with and without it are mixed.
-    """
+    """Readings that are what is expected of f leave every ratio at f, whatever is heard, and when. All have momentum
+    for ten rounds, unless some begin late; then messages of robots with and without it are mixed."""
     random = np.random.default_rng(1)
     swarm, f, old, mixed = robots(6, 0.9, 0.7), 0.3, [], False
     for t in range(60):
@@ -218,15 +209,11 @@ def test_noise_is_what_chance_does_to_the_short_ratio(topology, f):
 
 
 # ---- swarms
-
-
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_honest_robots_err_as_the_best_and_without_a_tail(topology):
     """In 19 of 20 trials or more, no robot finds a change where there is none: estimates are the same to the bit."""
     best = "swift" if topology == "ring" else "commons"
-    study = study_of(
-        ["census", NEVER, best], robots=50, accuracy=0.625, rounds=400, trials=20, seed=4, topology=topology
-    )
+    study = study_of(["census", NEVER, best], 50, 0.625, rounds=400, trials=20, seed=4, topology=topology)
     found, never, other = sc.run(study)["final_estimate"].values
     assert (found == never).all(axis=-1).sum() >= 19
     errors, others = abs(found - 0.55), abs(other - 0.55)
@@ -237,8 +224,6 @@ def test_honest_robots_err_as_the_best_and_without_a_tail(topology):
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_all_robots_find_a_change_of_a_fifth(topology):
     change = {"from": 0.55, "to": 0.35, "at": 201}
-    study = study_of(
-        "census", robots=30, accuracy=0.8, rounds=400, trials=20, seed=5, topology=topology, fill_ratio=change
-    )
+    study = study_of("census", 30, 0.8, rounds=400, trials=20, seed=5, topology=topology, fill_ratio=change)
     (found,) = sc.run(study)["final_estimate"].values
     assert abs(found - 0.35).max() < 0.05

@@ -41,16 +41,6 @@ def told(b, w, blacks, looks, spread):
     return slope * (blacks - (1 - w) * looks) / spread, slope**2 * looks / spread
 
 
-def most_likely(counts, looks, b, w):
-    """The fill ratio that makes these readings (robot) likeliest, by brute force."""
-
-    def cost(f):
-        q = b * f + (1 - w) * (1 - f)
-        return -(counts * np.log(q) + (looks - counts) * np.log(1 - q)).sum()
-
-    return minimize_scalar(cost, bounds=(0, 1), method="bounded", options={"xatol": 1e-12}).x
-
-
 def adjacency(topology, robots):
     graph = {"full": nx.complete_graph, "ring": nx.cycle_graph, "line": nx.path_graph}[topology](robots)
     return nx.to_numpy_array(graph)
@@ -65,8 +55,7 @@ def test_sums_of_the_information_filter_are_those_of_the_equations(topology, lea
     hears = adjacency(topology, 7) + np.eye(7)
     y, sure, x = np.zeros(7), np.zeros(7), np.full(7, 0.5)
     for k in range(1, 31):
-        spread = variances(b, w, x, least)
-        i, more = told(b, w, blacks[k], 3, spread)
+        i, more = told(b, w, blacks[k], 3, variances(b, w, x, least))
         y, sure = y + hears @ i, sure + hears @ more
         x = np.clip(y / sure, 0, 1)
         assert fields["y"][k] == pytest.approx(y, rel=1e-12)
@@ -80,7 +69,13 @@ def test_of_equal_readings_it_is_the_pooled_maximum_likelihood(rounds, trial):
     """Sensors alike, readings of one variance, a full network: y / Y is the maximum, cut to [0, 1]."""
     used = INFORMATION.with_parameters({"least_variance": 0.25})
     _, curves, blacks, b, w = lived(used, trial, robots=9, accuracy=APART, rounds=rounds, looks=5, topology="full")
-    found = most_likely(blacks[1:].sum(axis=0), 5 * rounds, b, w)
+    counts, looks = blacks[1:].sum(axis=0), 5 * rounds
+
+    def cost(f):
+        q = b * f + (1 - w) * (1 - f)
+        return -(counts * np.log(q) + (looks - counts) * np.log(1 - q)).sum()
+
+    found = minimize_scalar(cost, bounds=(0, 1), method="bounded", options={"xatol": 1e-12}).x
     assert curves[-1] == pytest.approx(found, abs=1e-6)
 
 
@@ -92,8 +87,7 @@ def test_every_round_of_kalman_consensus_is_as_the_equations_say(topology, pull,
     hears = adjacency(topology, 6)
     x, p = np.full(6, 0.5), np.full(6, 1 / 12)
     for k in range(1, 26):
-        spread = variances(b, w, np.clip(x, 0, 1), 0.05)
-        u, sure = told(b, w, blacks[k], 2, spread)
+        u, sure = told(b, w, blacks[k], 2, variances(b, w, np.clip(x, 0, 1), 0.05))
         u, sure = u + hears @ u, sure + hears @ sure
         m = 1 / (1 / p + sure)
         g = np.minimum(pull * p / (1 + p), (m / p) / (1 + hears.sum(axis=1)))
@@ -106,9 +100,8 @@ def test_every_round_of_kalman_consensus_is_as_the_equations_say(topology, pull,
 @pytest.mark.parametrize("topology", ["full", "ring", "line"])
 @pytest.mark.parametrize("pull", [0.25, 0.9])
 def test_every_round_of_consensus_and_innovations_is_as_the_equation_says(topology, pull):
-    fields, _, blacks, b, w = lived(
-        INNOVATIONS.with_parameters({"pull": pull}), robots=6, accuracy=MIXED, rounds=30, looks=3, topology=topology
-    )
+    fields, _, blacks, b, w = lived(INNOVATIONS.with_parameters({"pull": pull}), robots=6, accuracy=MIXED, rounds=30,
+                                    looks=3, topology=topology)  # fmt: skip
     hears = adjacency(topology, 6)
     many = hears.sum(axis=1)
     x = np.full(6, 0.5)
@@ -126,8 +119,7 @@ def test_every_round_of_covariance_intersection_is_as_the_equations_say(topology
     hears = adjacency(topology, 8) + np.eye(8)
     x, sure = np.full(8, 0.5), np.zeros(8)
     for k in range(1, 31):
-        spread = variances(b, w, np.clip(x, 0, 1), 0.05)
-        i, more = told(b, w, blacks[k], 2, spread)
+        i, more = told(b, w, blacks[k], 2, variances(b, w, np.clip(x, 0, 1), 0.05))
         x, sure = (x * sure + i) / (sure + more), sure + more
         surest = [max(np.flatnonzero(row), key=lambda j: sure[j]) for row in hears]
         x, sure = x[surest], sure[surest]
@@ -149,8 +141,6 @@ def test_the_surest_are_copied_and_equals_averaged():
 
 
 # ---- linear consensus, W-MSR and the gated mean: against their equations in NumPy, against liars, and in fixed memory
-
-
 LINEAR, WMSR, GATED = (brains.load(name) for name in ("linear-consensus", "w-msr", "gated-mean"))
 ALL = [LINEAR, WMSR, GATED]
 each = pytest.mark.parametrize("used", ALL, ids=lambda used: used.name)
@@ -171,12 +161,6 @@ def lived_among(used, trial=0, **world):
 def shares(blacks, phase, looks):
     """The share of black of each phase (phase, robot)."""
     return blacks[1:].reshape(-1, phase, blacks.shape[1]).sum(axis=1) / (phase * looks)
-
-
-def trimmed(own, heard, f):
-    """What W-MSR keeps, as its definition says."""
-    above, below = (sorted(v for v in heard if side * (v - own) > 0) for side in (1, -1))
-    return [v for v in heard if v == own] + above[: max(0, len(above) - f)] + below[f:]
 
 
 def by_hand(seen, hears, honest, says, keeps):
@@ -203,13 +187,15 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
     """Linear consensus (None) and W-MSR, with liars who speak from the first phase on."""
     phase, looks, robots = 4, 3, 8
     used = (LINEAR if drop is None else WMSR.with_parameters({"drop": drop})).with_parameters({"phase": phase})
-    x, blacks, honest = lived_among(
-        used, robots=robots, rounds=40, looks=looks, topology=topology, members=liars(lying, 0.9)
-    )
+    x, blacks, honest = lived_among(used, robots=robots, rounds=40, looks=looks, topology=topology,
+                                    members=liars(lying, 0.9))  # fmt: skip
     assert honest.sum() == robots - lying
 
     def keeps(own, heard):
-        return heard if drop is None else trimmed(own, heard, drop)
+        if drop is None:
+            return heard
+        above, below = (sorted(v for v in heard if side * (v - own) > 0) for side in (1, -1))
+        return [v for v in heard if v == own] + above[: max(0, len(above) - drop)] + below[drop:]
 
     expected = by_hand(shares(blacks, phase, looks), neighbours(topology, robots), honest, 0.9, keeps)
     assert x[::phase][:, honest] == pytest.approx(expected[:, honest], abs=1e-12)
@@ -221,10 +207,8 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
 @pytest.mark.parametrize(("says", "gate"), [(0.95, 0.2), (0.6, 0.2), (0.6, 0.05)])
 def test_the_gated_mean_is_as_its_rule_says(says, gate):
     phase, looks, robots = 5, 4, 7
-    x, blacks, honest = lived_among(
-        GATED.with_parameters({"phase": phase, "gate": gate}),
-        robots=robots, rounds=60, looks=looks, topology="full", members=liars(2, says),
-    )  # fmt: skip
+    x, blacks, honest = lived_among(GATED.with_parameters({"phase": phase, "gate": gate}), robots=robots, rounds=60,
+                                    looks=looks, topology="full", members=liars(2, says))  # fmt: skip
     votes = shares(blacks, phase, looks)
     for i in np.flatnonzero(honest):
         counted: list[float] = []
@@ -254,5 +238,4 @@ def test_receiver_samples_twenty_senders(used):
         used.functions.fuse(me)
     kept = sorted((used.functions.place(name, me.salt), x) for name, x in last.items())[:20]
     assert len(last) > 40
-    assert me.senders == 20
-    assert list(zip(me.key, me.said, strict=True)) == kept
+    assert (me.senders, list(zip(me.key, me.said, strict=True))) == (20, kept)

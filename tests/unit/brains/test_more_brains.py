@@ -95,12 +95,9 @@ def test_majority_keeps_its_evidence(wrong):
 
 
 def swarm_of(wrong, expected, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):
-    return sc.run(
-        study_of(
-            brain, robots=20, accuracy=truth, assumed_accuracy=truth, rounds=rounds, trials=trials, seed=8,
-            members=[{"robots": wrong, "assumed_accuracy": expected}], topology=topology, fill_ratio=fill,
-        )
-    )  # fmt: skip
+    members = [{"robots": wrong, "assumed_accuracy": expected}]
+    return sc.run(study_of(brain, 20, truth, assumed_accuracy=truth, rounds=rounds, trials=trials, seed=8,
+                           members=members, topology=topology, fill_ratio=fill))  # fmt: skip
 
 
 @pytest.mark.parametrize(("expected", "truth", "fill"), [(0.95, 0.75, 0.75), (0.95, 0.75, 0.95), (0.75, 0.95, 0.75)])
@@ -114,15 +111,12 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(expected, truth, fill):
 
 
 # ---- tracking: by hand, by brute force, against commons on floors that stay, and in swarms whose floor changes
-
-
 TRACKING = brains.load("tracking")
 TRACK = TRACKING.functions
-BOTH = ["commons", "tracking"]
 
 
-def tracking_robot(b=1.0, w=1.0, **given):
-    return TRACKING.with_parameters(given).robot(b, w)
+def tracking_robot(**given):
+    return TRACKING.with_parameters(given).robot(1.0, 1.0)
 
 
 def test_a_round_by_hand():
@@ -147,11 +141,8 @@ def test_it_restarts_where_the_sums_differ(off, anew):
     me.s, me.v, me.long_s, me.long_v = sums
     TRACK.receive(me, sums)
     TRACK.fuse(me)
-    if anew:
-        assert me.v == me.long_v == 1.0
-        assert me.s == me.long_s == pytest.approx(0.5 + gap)
-    else:
-        assert (me.long_s, me.long_v) == (50.0, 100.0)
+    assert (me.long_s, me.long_v) == ((pytest.approx(0.5 + gap), 1.0) if anew else (50.0, 100.0))
+    assert not anew or (me.s, me.v) == (me.long_s, me.long_v)
 
 
 def test_the_short_sums_hold_what_is_fresh():
@@ -175,9 +166,8 @@ def test_the_short_sums_hold_what_is_fresh():
 def test_after_a_change_it_is_right_within_few_rounds():
     """Nine of ten robots within 40 rounds, where commons needs more than the 200 that are left."""
     changes, measure = {"from": 0.85, "to": 0.25, "at": 201}, {"metrics": ["recovery-time"]}
-    results = sc.run(
-        study_of(BOTH, robots=20, accuracy=0.8, rounds=400, trials=20, seed=4, fill_ratio=changes, measure=measure)
-    )
+    both = ["commons", "tracking"]
+    results = sc.run(study_of(both, 20, 0.8, rounds=400, trials=20, seed=4, fill_ratio=changes, measure=measure))
     recovery = results["recovery_time"].values.reshape(2, -1)
     assert np.isinf(recovery[0]).all()
     assert np.quantile(recovery[1], 0.9) < 40
@@ -185,8 +175,6 @@ def test_after_a_change_it_is_right_within_few_rounds():
 
 
 # ---- the trained net: its equations by hand, its weights as its training left them, and what they are worth
-
-
 NET = brains.load("recurrent")
 STUDIES = ROOT / "studies" / "rivals"
 
@@ -195,20 +183,12 @@ def sigma(z):
     return 1.0 / (1.0 + np.exp(-z))
 
 
-def drawn(seed):
-    chance = np.random.default_rng(seed)
-    return {
-        "tau": tuple(chance.uniform(1.0, 20.0, 5)),
-        **{name: tuple(chance.normal(size=size)) for name, size in (("bias", 5), ("inputs", 15), ("weights", 25))},
-        "output": tuple(chance.normal(size=5)),
-        "offset": 0.3,
-    }
-
-
 @pytest.mark.parametrize("debiased", [0.0, 1.0])
 def test_rounds_by_hand(debiased):
     """With matrices, from the equation."""
-    given = drawn(1) | {"debiased": debiased}
+    chance, sizes = np.random.default_rng(1), {"bias": 5, "inputs": 15, "weights": 25, "output": 5}
+    given = {"tau": tuple(chance.uniform(1.0, 20.0, 5)), "offset": 0.3, "debiased": debiased}
+    given |= {name: tuple(chance.normal(size=size)) for name, size in sizes.items()}
     me = NET.with_parameters(given).robot(0.9, 0.8)
     tau, bias, output = (np.array(given[name]) for name in ("tau", "bias", "output"))
     weights, inputs = np.reshape(given["weights"], (5, 5)), np.reshape(given["inputs"], (5, 3))
@@ -245,5 +225,4 @@ def test_the_weights_are_those_that_the_search_found():
     assert "over all 16 worlds: better in 89%" in said
     line, _ = found("recurrent-debiased")
     unseen = tomllib.loads((STUDIES / "recurrent-unseen.toml").read_text(encoding="utf-8"))
-    assert unseen["swarm"]["brain"][1] == line
-    assert NET.parameters["debiased"] == 0.0
+    assert (unseen["swarm"]["brain"][1], NET.parameters["debiased"]) == (line, 0.0)

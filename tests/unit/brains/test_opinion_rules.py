@@ -34,12 +34,9 @@ def test_the_quality_is_the_share_of_the_own_colour(name):
     extra = 1.0 if name in TELLERS else 0.0
     for number, opinion in ((0, 1.0), (1, 0.0)):
         for b, w, debiased, black in (
-            (0.9, 0.6, 0.0, 0.3),
-            (0.9, 0.9, 1.0, (0.3 + 0.9 - 1.0) / 0.8),
-            (0.8, 0.6, 1.0, 0.0),
-            (0.2, 0.1, 1.0, (0.3 + 0.1 - 1.0) / -0.7),
-            (0.3, 0.7, 1.0, 0.5),
-        ):
+            (0.9, 0.6, 0.0, 0.3), (0.9, 0.9, 1.0, (0.3 + 0.9 - 1.0) / 0.8), (0.8, 0.6, 1.0, 0.0),
+            (0.2, 0.1, 1.0, (0.3 + 0.1 - 1.0) / -0.7), (0.3, 0.7, 1.0, 0.5),
+        ):  # fmt: skip
             me, rule = robot(name, number, b=b, w=w, debiased=debiased)
             rounds(me, rule, blacks=3.0, looks=10.0)
             assert me.opinion == opinion
@@ -77,11 +74,10 @@ def test_a_cycle_knows_nothing_of_the_readings_before(name, number):
     assert me.opinion == own
 
 
-@pytest.mark.parametrize(
-    ("own", "others", "adopted"),
-    [(1, [], 1), (1, [0], 1), (1, [0, 0], 0), (0, [1, 1, 0], 0), (0, [1, 1, 1, 0], 1), (0, [1, 1, 0, 0], 0),
-     (1, [0, 0, 1, 1], 1), (1, [0, 0, 0, 0, 0, 0], 0)],
-)  # fmt: skip
+@pytest.mark.parametrize(("own", "others", "adopted"), [
+    (1, [], 1), (1, [0], 1), (1, [0, 0], 0), (0, [1, 1, 0], 0), (0, [1, 1, 1, 0], 1), (0, [1, 1, 0, 0], 0),
+    (1, [0, 0, 1, 1], 1), (1, [0, 0, 0, 0, 0, 0], 0),
+])  # fmt: skip
 def test_the_majority_is_of_the_kept_and_oneself(own, others, adopted):
     me, rule = telling("majority", number=1 - own, senders=4.0)
     said = [(float(opinion), 10.0 + k) for k, opinion in enumerate(others)]
@@ -117,22 +113,17 @@ def test_direct_comparison_adopts_what_is_better():
 NONE = 0.5
 
 
-@pytest.mark.parametrize(
-    ("name", "own", "heard", "adopted"),
-    [
-        *(("cross-inhibition", *row) for row in ((1, 0, NONE), (0, 1, NONE), (1, 1, 1), (0, 0, 0), (1, None, 1))),
-        *(("cross-inhibition", NONE, heard, adopted) for heard, adopted in ((1, 1), (0, 0), (None, NONE))),
-        *(("direct-switching", *row) for row in ((1, 0, 0), (0, 1, 1), (1, 1, 1), (0, 0, 0), (1, None, 1))),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "own", "heard", "adopted"), [
+    *(("cross-inhibition", *row) for row in ((1, 0, NONE), (0, 1, NONE), (1, 1, 1), (0, 0, 0), (1, None, 1))),
+    *(("cross-inhibition", NONE, heard, adopted) for heard, adopted in ((1, 1), (0, 0), (None, NONE))),
+    *(("direct-switching", *row) for row in ((1, 0, 0), (0, 1, 1), (1, 1, 1), (0, 0, 0), (1, None, 1))),
+])  # fmt: skip
 def test_what_becomes_of_an_opinion(name, own, heard, adopted):
     me, rule = telling(name, miscommunication=0.0, asocial=0.0)
     me.opinion = float(own)
-    assert (rule.broadcast(me) is None) == (own == NONE)
-    assert rule.decide(me) == (-1.0 if own == NONE else own)
+    assert (rule.broadcast(me) is None, rule.decide(me)) == (own == NONE, -1.0 if own == NONE else own)
     rounds(me, rule, [] if heard is None else [(float(heard),)])
-    assert me.opinion == adopted
-    assert rule.estimate(me) == adopted
+    assert (me.opinion, rule.estimate(me)) == (adopted, adopted)
     assert rule.broadcast(me) is None
 
 
@@ -153,16 +144,13 @@ def test_only_the_last_rounds_are_listened_to(name):
 
 
 # ---- three-valued opinions and their Boolean baseline by hand: beliefs, dances, listening
-
-
 def test_beliefs_are_joined_as_published():
     """All nine pairs, by a second way: as intervals of what may be true."""
     _, rule = robot("three-state")
     table = {(0.0, 1.0): 0.5, (1.0, 0.0): 0.5}
     for one, other in product((0.0, 0.5, 1.0), repeat=2):
         expected = table.get((one, other), other if one == 0.5 else one)
-        assert rule.joined(one, other) == expected
-        assert rule.joined(one, other) == rule.joined(other, one)
+        assert rule.joined(one, other) == rule.joined(other, one) == expected
 
 
 def test_beliefs_begin_as_any_set_of_bins():
@@ -197,27 +185,22 @@ def test_dancing_listening_and_waiting(name):
     """Steps of five rounds: it dances its steps, alone it dances again, among listeners it waits, for a while."""
     me, rule = robot(name, every=5.0, dance=3.01, width=50.0, patience=4.0)
     said = (0.0, 4.0, (0.5,) * 10)[: len(brains.load(name).message)]
-    rounds(me, rule, count=5)
-    assert me.steps == 2.0
-    rounds(me, rule, count=4)
-    assert me.steps == 2.0
+    for count in (5, 4):
+        rounds(me, rule, count=count)
+        assert me.steps == 2.0
     rounds(me, rule, count=6)
-    assert me.steps == 0.0
-    assert rule.broadcast(me)[0] == 0.0
+    assert (me.steps, rule.broadcast(me)[0]) == (0.0, 0.0)
     rounds(me, rule, count=5)  # it has heard nobody
     assert me.steps == 3.0
     rounds(me, rule, count=15)
-    for waited in (1, 2, 3):
+    for steps in (-1.0, -2.0, -3.0, 3.0):
         rounds(me, rule, [said], count=5)
-        assert me.steps == -waited
-    rounds(me, rule, [said], count=5)
-    assert me.steps == 3.0
+        assert me.steps == steps
     me.steps = 0.0
     rounds(me, rule, [said, (1.0, *said[1:])], count=5)  # a dancer among them
     assert me.steps == 3.0
     if name == "weighted-voter":
-        assert rule.decide(me) == 4.0
-        assert rule.estimate(me) == 0.45
+        assert (rule.decide(me), rule.estimate(me)) == (4.0, 0.45)
 
 
 @pytest.mark.parametrize("name", DANCERS)

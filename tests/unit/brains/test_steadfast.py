@@ -33,17 +33,15 @@ def voice(x, v, own=None, own_v=None, near=None):
 
 
 @pytest.mark.parametrize("noise", [0.1, 0.5])
-@pytest.mark.parametrize(
-    ("errors", "share"),
-    [(0.3, 1.0), (-0.3, 1.0), (1.4, 0.25), (-1.4, 0.25), (2.8, 0.125 * 0.7), (3.6, 0.0), (-3.6, 0.0)],
-)
+@pytest.mark.parametrize(("errors", "share"), [
+    (0.3, 1.0), (-0.3, 1.0), (1.4, 0.25), (-1.4, 0.25), (2.8, 0.125 * 0.7), (3.6, 0.0), (-3.6, 0.0)
+])  # fmt: skip
 def test_readings_far_from_r_count_less_and_so_do_their_sums(errors, share, noise):
     me = robot(0.2)
     me.noise = noise
     error = math.sqrt(max(22 / 104 * 82 / 104, noise) / 100.0 + me.error**2)
     DO.receive(me, voice(0.2, 50.0, 0.2 + errors * error, 400.0))
-    assert me.heard == pytest.approx(share)
-    assert me.heard_v == pytest.approx(50.0 * share)
+    assert (me.heard, me.heard_v) == pytest.approx((share, 50.0 * share))
     assert me.heard_near_s == pytest.approx(100.0 * share * errors * error)
     assert me.heard_near_v == pytest.approx(100.0 * {2.8: 0.7, 3.6: 0.0}.get(abs(errors), 1.0))
 
@@ -59,10 +57,8 @@ def test_sums_count_as_nearer_to_r_of_all_near_or_not_at_all(errors, count_as):
 
 
 def test_r_and_its_error_by_hand():
-    """The second round: own readings go from 50 of 100 to 140 of 200; one neighbour has read 603 of 900.
-
-    Its r is 0.45 away, and counts as 2.5 E.
-    """
+    """The second round: own readings go from 50 of 100 to 140 of 200; one neighbour has read 603 of 900. Its r is 0.45
+    away, and counts as 2.5 E."""
     me = robot()
     DO.observe(me, 90.0, 100.0)
     DO.receive(me, voice(0.5, 50.0, 0.67, 900.0, 0.95))
@@ -81,8 +77,7 @@ def test_a_message_hardly_weighs_more_than_the_own_sums():
     me = robot()
     DO.receive(me, voice(0.51, 1e9, 0.5))
     DO.receive(me, voice(0.51, 10.0, 0.5))
-    assert me.heard_v == pytest.approx(120.0)
-    assert me.heard_s == pytest.approx(0.51 * 120.0)
+    assert (me.heard_v, me.heard_s) == pytest.approx((120.0, 0.51 * 120.0))
 
 
 @pytest.mark.parametrize(("errors", "cut_to"), [(0.9, 0.9), (-0.9, -0.9), (1.1, 1.0), (-3.9, -1.0), (4.1, 0.0)])
@@ -120,8 +115,7 @@ def test_readings_of_before_a_change_do_not_vouch_for_what_is_after_it():
     me.short = 0.1
     DO.observe(me, 0.1, 1.0)
     DO.fuse(me)
-    assert me.own_v == 1.0
-    assert me.near_v == pytest.approx(1.0)
+    assert (me.own_v, me.near_v) == (1.0, pytest.approx(1.0))
     assert me.error > 0.3
     assert me.v > 900.0
     assert DO.estimate(me) == pytest.approx(0.5, abs=0.01)
@@ -159,11 +153,9 @@ def test_no_message_moves_the_estimate_beyond_the_cut(precision):
 @pytest.mark.parametrize("varies", [False, True], ids=["still", "drawn"])
 @pytest.mark.parametrize("messages", [1, 2, 5])
 def test_no_lies_hold_r_far_from_own_readings(messages, varies):
-    """Lies of any size, fixed or drawn along with r: within m HUBER sqrt(2) standard errors, and 60 % are met.
-
-    R is then at most SECOND of them farther, and the estimate at most one more.
-    If own readings are drawn at random, r lags behind them, by less than one standard error more.
-    """
+    """Lies of any size, fixed or drawn along with r: within m HUBER sqrt(2) standard errors, and 60 % are met. R is
+    then at most SECOND of them farther, and the estimate at most one more. If own readings are drawn at random, r lags
+    behind them, by less than one standard error more."""
     random = np.random.default_rng(messages)
     far = 0.0
     for _ in range(500 if not varies else 200):
@@ -183,23 +175,17 @@ def test_no_lies_hold_r_far_from_own_readings(messages, varies):
 
 
 # ---- over trials
-
-CREEPER = {"file": "creeper", "step": 0.02}
 LIARS = {
-    "creeper": CREEPER,
+    "creeper": {"file": "creeper", "step": 0.02}, "opposite": "opposite", "shouter": "shouter",
     "insider": {"file": str(EXAMPLE / "insider.py"), "lean": 1.5, "from_r": 3.5, "second": 2.5},
-    "opposite": "opposite",
-    "shouter": "shouter",
-}
+}  # fmt: skip
 
 
 def square_errors(brain="steadfast", liar=None, robots=0, rounds=400, fill_ratio=0.55):
     """The root mean square error of honest robots, on a ring and a full network: 40 trials of 20 robots."""
     members = [{"robots": robots, "brain": liar, "honest": False}] if robots else []
-    study = study_of(
-        brain, robots=20, accuracy=0.75, rounds=rounds, trials=40, seed=31, members=members,
-        topology=["ring", "full"] if robots else "full", fill_ratio=fill_ratio,
-    )  # fmt: skip
+    study = study_of(brain, robots=20, accuracy=0.75, rounds=rounds, trials=40, seed=31, members=members,
+                     topology=["ring", "full"] if robots else "full", fill_ratio=fill_ratio)  # fmt: skip
     errors = sc.run(study)["final_estimate"] - 0.55
     return np.sqrt((errors**2).mean(["trial", "robot"])).values
 
@@ -224,4 +210,4 @@ def test_errors_beside_those_of_a_robot_alone(name, alone):
 def test_a_changed_floor_is_followed_among_liars(alone):
     """After 400 rounds, errors are hardly above those of a robot alone that has seen nothing but the new floor."""
     change = {"from": 0.15, "to": 0.55, "at": 401}
-    assert (square_errors(liar=CREEPER, robots=4, rounds=800, fill_ratio=change) < 1.3 * alone).all()
+    assert (square_errors(liar=LIARS["creeper"], robots=4, rounds=800, fill_ratio=change) < 1.3 * alone).all()

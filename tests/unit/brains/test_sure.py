@@ -163,52 +163,37 @@ def test_ground_that_hides_its_changes_is_warned_of():
         assert unmet_needs([setting], 10) == [says] * bool(hidden)
 
 
-def covered(alpha, trials, robots, **world):
-    brain = {"file": "sure", "alpha": alpha, "within": 1e-9}
-    study = study_of(
-        brain, robots=robots, accuracy=[0.7, "U(0.525, 0.975)"], rounds=120, trials=trials, seed=21,
-        measure={"checkpoints": [40, 120]}, **{"fill_ratio": [0.55, 0.75]} | world,
-    )  # fmt: skip
-    return sc.run(study)["coverage"].values
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("alpha", [0.05, 0.2])
-@pytest.mark.parametrize(
-    "world", [{}, {"topology": "scale-free", "link_success": 0.3}], ids=["ring", "tree and losses"]
-)
+@pytest.mark.parametrize("world", [{}, {"topology": "scale-free", "link_success": 0.3}], ids=["ring", "tree, losses"])
 def test_intervals_hold_as_often_as_they_say(alpha, world):
-    """Over 150 trials, within 4 standard errors and 1.5 points: fails in 1 of 1,000 for the 16 together.
-
-    Near 0 and 1 more hold, since what would hold 0 or 1 is all.
-    """
-    shares = covered(alpha, 150, 16, **world)
+    """Over 150 trials, within 4 standard errors and 1.5 points: fails in 1 of 1,000 for the 16 together. Near 0 and 1
+    more hold, since what would hold 0 or 1 is all."""
+    used, given = {"file": "sure", "alpha": alpha, "within": 1e-9}, {"fill_ratio": [0.55, 0.75]} | world
+    study = study_of(used, 16, [0.7, "U(0.525, 0.975)"], rounds=120, trials=150, seed=21,
+                     measure={"checkpoints": [40, 120]}, **given)  # fmt: skip
+    shares = sc.run(study)["coverage"].values
     off = shares.mean(axis=-1) - (1.0 - alpha)
     assert np.all(np.abs(off) < 4.0 * shares.std(axis=-1) / 150**0.5 + 0.015)
 
 
 def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
-    """At most alpha of them in each of four cells, by 4 standard errors over 60 trials."""
-    study = study_of(
-        {"file": "sure", "within": 0.06}, robots=16, accuracy=[0.8, 1.0], rounds=504, trials=60, seed=22,
-        fill_ratio=[0.05, 0.55],
-    )  # fmt: skip
+    """Fewer than alpha of them in each of four cells, over 60 trials."""
+    study = study_of({"file": "sure", "within": 0.06}, robots=16, accuracy=[0.8, 1.0], rounds=504, trials=60, seed=22,
+                     fill_ratio=[0.05, 0.55])  # fmt: skip
     found = sc.run(study)
     stopped = np.isfinite(found["done_estimate"].values)
     off = np.abs(found["done_estimate"] - found["fill_ratio"]).transpose("setting", "trial", "robot").values
     wrong = (stopped & (off > 0.06)).mean(axis=2)
     assert stopped.all()
-    assert np.all(wrong.mean(axis=1) <= 0.05 + 4.0 * wrong.std(axis=1) / 60**0.5)
     assert np.all(wrong.mean(axis=1) < 0.05)
     assert np.all(found["done_round"].values % 8 == 0)
 
 
 @pytest.mark.long
 def test_robots_stop_on_independent_ground_and_not_on_a_few_stripes():
-    """Ten robots in an arena of seven stripes, where comparing with all earlier readings let a quarter stop wrong.
-
-    At most 1 % of them stop there, and at least 95 % on tiles; 0 % and 99.9 % did in 200 trials with another seed.
-    """
+    """Ten robots in an arena of seven stripes, where comparing with all earlier readings let a quarter stop wrong. At
+    most 1 % of them stop there, and at least 95 % on tiles; 0 % and 99.9 % did in 200 trials with another seed."""
     world = {"topology": "moving", "density": 3, "fill_ratio": 0.55, "floor": [{"stripes": 0.3}, "tiles"]}
     swarm = {"brain": {"file": "sure", "within": 0.05}, "robots": 10, "accuracy": 0.9}
     study = sc.Study(trials=30, seed=23, swarm=swarm, world=world, schedule={"ticks": 4088}, measure={"truth": "floor"})

@@ -35,11 +35,10 @@ def test_the_rule_is_that_of_the_quantile(p):
             ASDF.functions.receive(me, (x, chance.uniform(1.0, 100.0)))
         ASDF.functions.fuse(me)
         m = len(heard)
+        apart = False
         if m > 1:
             quantile = stats.t.ppf(1 - (1 - p) / 2, m)
             apart = bool(abs(heard.mean() - me.x_hat) >= heard.std(ddof=1) * (quantile / math.sqrt(m) + 1))
-        else:
-            apart = False
         assert ASDF.functions.is_apart(me) == apart
         counts[apart] += 1
     assert min(counts) > 40
@@ -79,13 +78,12 @@ def test_the_filters_step_is_that_of_a_numerical_linearisation():
 
         slope = (expected(before + 1e-4) - expected(before - 1e-4)) / 2e-4
         p = expected(before) / m
-        exact = (before / doubt + slope * (n - expected(before) + slope * before) / (m * p * (1 - p))) / (
-            1 / doubt + slope**2 / (m * p * (1 - p))
-        )  # the mean of the two normals' product
+        spread = m * p * (1 - p)
+        sure = 1 / doubt + slope**2 / spread
+        exact = (before / doubt + slope * (n - expected(before) + slope * before) / spread) / sure  # of both normals
         assert me.mu == pytest.approx(min(max(exact, 0.0), 1.0), abs=1e-9)
-        assert me.variance == pytest.approx(1 / (1 / doubt + slope**2 / (m * p * (1 - p))), rel=1e-9)
-        published = m * ((2 * before - 1) ** 2 * (x - x * x - 0.25) + 0.25)
-        assert m * p * (1 - p) == pytest.approx(published)
+        assert me.variance == pytest.approx(1 / sure, rel=1e-9)
+        assert spread == pytest.approx(m * ((2 * before - 1) ** 2 * (x - x * x - 0.25) + 0.25))  # as published
 
 
 def test_what_is_believed_is_the_mean_of_a_truncated_normal():
@@ -103,8 +101,7 @@ def test_what_is_believed_is_the_mean_of_a_truncated_normal():
 
 def test_counts_are_forgotten_bit_by_bit():
     """Brute force: each reading, the k-th last, weighs (1 - 1/window)^k."""
-    chance = np.random.default_rng(7)
-    readings = chance.integers(0, 2, 300)
+    readings = np.random.default_rng(7).integers(0, 2, 300)
     me = robot(CPF, 0.8, 0.7, window=40.0)
     for one in readings:
         CPF.functions.observe(me, float(one), 1.0)
@@ -116,16 +113,13 @@ def test_counts_are_forgotten_bit_by_bit():
 
 def test_the_older_consensus_is_a_mean_of_means():
     """Brute force: plain means of the first ten, and then a tenth of each that comes, twice."""
-    chance = np.random.default_rng(8)
-    estimates = chance.random(60)
+    estimates = np.random.default_rng(8).random(60)
 
     def running(values):
         kept = (1 - 1 / 10) ** np.arange(len(values))
         plain = [np.mean(values[: k + 1]) for k in range(10)]
-        later = [
-            plain[-1] * kept[k - 9] + (values[10 : k + 1][::-1] * kept[: k - 9]).sum() / 10
-            for k in range(10, len(values))
-        ]
+        parts = ((values[10 : k + 1][::-1] * kept[: k - 9]).sum() / 10 for k in range(10, len(values)))
+        later = [plain[-1] * old + part for old, part in zip(kept[1:], parts, strict=False)]
         return np.array(plain + later)
 
     me = robot(CPF, 0.8, 0.8, past=10.0)

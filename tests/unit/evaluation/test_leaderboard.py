@@ -63,12 +63,8 @@ def small(here, monkeypatch):
 def test_leaderboard_worlds_are_complete():
     study = sc.Study.load(ROOT / "studies" / "leaderboard.toml")
     assert {brain.name for brain in study.brains} >= set(brains.shipped())
-    settings = study.settings()
-    worlds = [
-        {"liars": 0, "fill_ratio_change": ""} | coordinates_of(one)
-        for one in settings
-        if one.brain == settings[0].brain
-    ]
+    settings, also = study.settings(), {"liars": 0, "fill_ratio_change": ""}
+    worlds = [also | coordinates_of(one) for one in settings if one.brain == settings[0].brain]
     columns = {name: ("setting", [world[name] for world in worlds]) for name in worlds[0] if name in worlds[-1]}
     data = xr.Dataset(coords=columns, attrs={"study": study.text})
     sizes = {name: where(data, name).sizes["setting"] for name in groups_in(data)}
@@ -88,10 +84,8 @@ def hold(found, data, opinions):
         medians[s, t] = np.median(np.abs(some - truth[s]))
         tails[s, t] = sorted(np.abs(some - truth[s]))[math.ceil(0.9 * len(some)) - 1]
         sides[s, t] = np.mean([(x > 0.5) == (truth[s] > 0.5) and x != 0.5 for x in some])
-    of = data["brain"].values
-    still = data["topology"].values == "ring"
-    plain = data["link_success"].values == 1.0
-    rows = {row["brain"]: row for row in found.rows}
+    of, still = data["brain"].values, data["topology"].values == "ring"
+    plain, rows = data["link_success"].values == 1.0, {row["brain"]: row for row in found.rows}
     for name, row in rows.items():
         for kind, some in (("networks", plain & still), ("moving", plain & ~still)):
             chosen = some & (of == name)
@@ -114,17 +108,13 @@ def test_scores_of_numbers_that_are_known(small):
     data = leaderboard(["mine.py"], "out").data
     data = data.isel(setting=np.flatnonzero(data["brain"].values == "minimalistic"))
     x, truth = data["final_estimate"], data["fill_ratio"]
-    made = {
-        "wrong.py": truth + 1.5 * (x - truth), "right.py": truth + 0.5 * (x - truth), "votes.py": (x > 0.5) + 0.0 * x,
-    }  # fmt: skip
-    settings = np.arange(4 * data.sizes["setting"]).reshape(4, -1)
+    made = {"minimalistic": x, "wrong.py": truth + 1.5 * (x - truth), "right.py": truth + 0.5 * (x - truth),
+            "votes.py": (x > 0.5) + 0.0 * x}  # fmt: skip
     parts = [
-        data.assign(final_estimate=found.transpose(*x.dims)).assign_coords(
-            brain=("setting", [name] * truth.size), setting=numbers
-        )
-        for (name, found), numbers in zip(({"minimalistic": x} | made).items(), settings, strict=True)
+        data.assign(final_estimate=found.transpose(*x.dims)).assign_coords(brain=("setting", [name] * truth.size))
+        for name, found in made.items()
     ]
-    known = xr.concat(parts, "setting", data_vars="minimal")
+    known = xr.concat(parts, "setting", data_vars="minimal").assign_coords(setting=np.arange(4 * truth.size))
     (small / "votes.py").write_text(brains.load("voter").source)
     both = [brains.load("minimalistic"), brains.load("votes.py")]
     found = ranking.ranking(known, "honest", ["networks", "moving"], both)
@@ -149,8 +139,7 @@ def test_only_changed_brains_are_run_again(small, capsys):
     (small / "mine.py").write_text(brains.load("voter").source)
     said.clear()
     leaderboard(["mine.py"], "out", say=said.append)
-    changed = {path.name for path, when in times.items() if path.stat().st_mtime_ns != when}
-    assert changed == {"mine.nc"}
+    assert {path.name for path, when in times.items() if path.stat().st_mtime_ns != when} == {"mine.nc"}
 
 
 @pytest.mark.long
@@ -186,17 +175,14 @@ def test_leaderboard_command_shows_ranks_and_losses(small, accepted, benchmark):
         assert words[2:4] == [f"{row[name]:.4f}" for name in ("final_error", "error_90")]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["nobody.py"], "nobody.py"),
-        (["shipped.py"], "rename the file"),
-        (["mine.py", "a/mine.py"], "another brain mine: rename"),
-        (["bad.py"], "MESSAGE is missing"),
-        (["legacy"], "another brain legacy: rename"),
-        (["mine.py", "--group", "honst"], "did you mean 'honest'? there are honest, "),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "said"), [
+    (["nobody.py"], "nobody.py"),
+    (["shipped.py"], "rename the file"),
+    (["mine.py", "a/mine.py"], "another brain mine: rename"),
+    (["bad.py"], "MESSAGE is missing"),
+    (["legacy"], "another brain legacy: rename"),
+    (["mine.py", "--group", "honst"], "did you mean 'honest'? there are honest, "),
+])  # fmt: skip
 def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, said):
     (small / "bad.py").write_text('MEMORY = {"x": 0.5}\n')
     (small / "a").mkdir()

@@ -23,23 +23,17 @@ from swarmcensus.summaries.recordings import write_trace
 from swarmcensus.support.errors import InputError
 from tests.support.drawing import assert_fits, texts
 from tests.support.places import ROOT
+from tests.support.small import study_of
 
 STUDY = """
 name = "pictures for $2 or $3"
 seed = 11
 trials = 2
-[swarm]
-robots = [1, 9]
-accuracy = 0.7
-[world]
-topology = ["ring", "moving"]
-density = 5
-fill_ratio = [0.3, 0.95]
-[schedule]
-rounds = 40
-ticks = 40
+swarm = {robots = [1, 9], accuracy = 0.7}
+world = {topology = ["ring", "moving"], density = 5, fill_ratio = [0.3, 0.95]}
+schedule = {rounds = 40, ticks = 40}
 """
-BODY = "[world.body]\ntile = 0.03\nsensor = [0.02, -0.01]\ntick = 0.2\nradio_range = 0.5\n"  # nothing as usual
+BODY = ", body = {tile = 0.03, sensor = [0.02, -0.01], tick = 0.2, radio_range = 0.5}"  # nothing as usual
 
 
 @pytest.fixture(scope="module")
@@ -65,11 +59,9 @@ def trace(results):
 
 
 # ---- floors
-
-
 @pytest.mark.parametrize("body", ["", BODY])
 def test_floors_have_the_colours_that_robots_saw(body):
-    study = sc.Study.parse(STUDY.replace("[schedule]", body + "[schedule]"))
+    study = sc.Study.parse(STUDY.replace("0.95]", f"0.95]{body}"))
     results = sc.run(study, jobs=1)
     for number, setting in enumerate(study.settings()):
         if setting.body is None:
@@ -88,8 +80,6 @@ def test_floors_have_the_colours_that_robots_saw(body):
 
 
 # ---- snapshots
-
-
 @pytest.fixture(scope="module")
 def arena(trace):
     return Arena(trace, robot=3)
@@ -104,12 +94,11 @@ def test_discs_headings_and_links_are_where_the_trace_says(trace, arena, tick):
     np.testing.assert_allclose(np.hypot(*ends.T), trace.attrs["radius"])
     np.testing.assert_allclose(np.arctan2(ends[:, 1], ends[:, 0]), now.heading)
     pairs = trace.link.values[trace.link.values[:, 0] == tick, 1:]
-    assert len(pairs) == now.neighbours.sum() / 2
-    assert (len(pairs) > 0) == (tick > 0)
+    assert (len(pairs), len(pairs) > 0) == (now.neighbours.sum() / 2, tick > 0)
     drawn = np.array(arena.links.get_segments()).reshape(-1, 2, 2)
     np.testing.assert_array_equal(drawn, now.position.values[pairs])
-    assert tuple(arena.range.center) == tuple(now.position.values[3])
-    assert arena.range.radius == trace.attrs["radio_range"]
+    reach = tuple(arena.range.center), arena.range.radius
+    assert reach == (tuple(now.position.values[3]), trace.attrs["radio_range"])
     right = int(((now.estimate >= 0.3) & (now.estimate < 0.4)).sum())
     assert arena.when.get_text() == f"tick {tick}, {tick / 10:.1f} s"
     assert arena.right.get_text() == f"{right} of 9"
@@ -157,9 +146,7 @@ def test_estimates_have_the_colours_of_the_live_page():
 
 
 def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, trace, tmp_path: Path):
-    alone = scene_of(results, moving(results, 1))
-    figure = drawn(alone, tick=40)
-    assert " of 1\n" in texts(figure)
+    assert " of 1\n" in texts(drawn(scene_of(results, moving(results, 1)), tick=40))
     trace = trace.drop_vars(FLOOR).isel(round=slice(10, 30)).transpose("robot", "axis", ...).copy(deep=True)
     trace["estimate"][2, 10] = np.nan
     figure = drawn(trace, tick=20, title="$mine of $2")
@@ -196,12 +183,12 @@ def test_a_long_title_is_whole(width, trace):
 
 
 def test_what_cannot_be_drawn_is_an_input_error(results, trace):
-    with pytest.raises(InputError, match="does not cover"):
-        drawn(trace.isel(row=slice(10)), tick=1)
-    with pytest.raises(InputError, match="links=True"):
-        drawn(trace.drop_vars("link"), tick=1)
-    with pytest.raises(InputError, match="a fixed network from results"):
-        drawn(sc.replay(results, 0, 0), tick=1)
+    for what, said in (
+        (trace.isel(row=slice(10)), "does not cover"), (trace.drop_vars("link"), "links=True"),
+        (sc.replay(results, 0, 0), "a fixed network from results"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=said):
+            drawn(what, tick=1)
 
 
 @pytest.mark.interpreted
@@ -214,8 +201,7 @@ def test_a_network_is_drawn_as_on_the_live_page(results, tmp_path: Path):
     np.testing.assert_allclose(places[0], [0.0, 0.46], atol=1e-12)  # the first of a ring stands at the top
     pairs = {tuple(sorted(pair)) for pair in scene.link.values[:, 1:].tolist()}
     assert pairs == {tuple(sorted((i, (i + 1) % 9))) for i in range(9)}
-    drawn_pairs = np.array(arena.links.get_segments())
-    np.testing.assert_allclose(drawn_pairs, places[scene.link.values[:, 1:]])
+    np.testing.assert_allclose(np.array(arena.links.get_segments()), places[scene.link.values[:, 1:]])
     assert arena.when.get_text() == "round 30"
     assert "heading" not in texts(arena.figure)
     assert film(results, out=tmp_path / "x.gif", setting=number, last=6) == 3
@@ -223,16 +209,13 @@ def test_a_network_is_drawn_as_on_the_live_page(results, tmp_path: Path):
 
 
 # ---- robots that fail
-
 WRITTEN = ("png", "svg", "caption.txt")
-FAULTS = """
-faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = ["sensing", "talking"]}]
-"""
+FAULTS = 'faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = ["sensing", "talking"]}]'
 
 
 @functools.cache
 def faulty_scene(faults):
-    text = STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"').replace("rounds = 40\n", "")
+    text = STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"').replace("rounds = 40, ", "")
     found = sc.Study.parse(faults + text)
     return found, scene_of(sc.run(found, jobs=1), 0, 1)
 
@@ -259,14 +242,12 @@ def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
 
 @pytest.fixture(scope="module")
 def faulty_arena():
-    _, trace = faulty_scene(FAULTS)
-    return Arena(trace)
+    return Arena(faulty_scene(FAULTS)[1])
 
 
 @pytest.mark.parametrize("tick", [9, 10, 20])
 def test_failed_parts_are_marked(faulty_arena, tick):
-    _, trace = faulty_scene(FAULTS)
-    arena = faulty_arena
+    arena, trace = faulty_arena, faulty_scene(FAULTS)[1]
     arena.show(tick)
     place, radius = trace["position"].sel(round=tick).values, trace.attrs["radius"]
     expected = set()
@@ -288,8 +269,7 @@ def test_the_key_names_the_parts_that_fail_and_no_others(trace, tmp_path: Path):
     said = texts(drawn(trace, tick=30))
     assert "stopped" not in said
     assert "stops" not in trace
-    _, trace = faulty_scene(FAULTS)
-    said = texts(drawn(trace, tick=1))
+    said = texts(drawn(faulty_scene(FAULTS)[1], tick=1))
     assert all(f"stopped {part}" in said for part in ("moving", "sensing", "talking"))
     _, trace = faulty_scene('faults = [{at = 30, robots = 0.5, stop = "talking", until = 35}]')
     said = texts(drawn(trace, tick=1))
@@ -301,8 +281,6 @@ def test_the_key_names_the_parts_that_fail_and_no_others(trace, tmp_path: Path):
 
 
 # ---- films
-
-
 def test_a_film_has_its_frames_and_they_are_snapshots(trace, tmp_path: Path):
     path, told = tmp_path / "x.gif", []
     assert film(trace, out=path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
@@ -371,8 +349,6 @@ def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatc
 
 
 # ---- the command line
-
-
 @pytest.mark.long
 def test_arena_and_film_from_the_command_line(file, here, accepted):
     drawn = accepted("plot", file, "--kind", "arena", "--tick", "12", "--robot", "0").out
@@ -390,20 +366,17 @@ def test_arena_and_film_from_the_command_line(file, here, accepted):
     assert {p.name for p in here.iterdir()} == {*("x.gif", "x.gif.caption.txt", "x.pdf", "x.pdf.caption.txt")}
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ("arena --setting 99", "--setting 99: these results hold setting"),
-        ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
-        ("arena --first 3", "--kind arena has no key first: it has "),
-        ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
-        ("film --out file/x.gif", "cannot write file/x.gif"),
-        ("film --brain-file none.py", "there is no such file"),
-        ("film --robot 9", "--robot 9: the robots are numbered 0 to "),
-        ("film --fps 500", "should be 1 to 240 frames a second"),
-        ("film", "pip install 'imageio-ffmpeg"),
-    ],
-)
+@pytest.mark.parametrize(("options", "said"), [
+    ("arena --setting 99", "--setting 99: these results hold setting"),
+    ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
+    ("arena --first 3", "--kind arena has no key first: it has "),
+    ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
+    ("film --out file/x.gif", "cannot write file/x.gif"),
+    ("film --brain-file none.py", "there is no such file"),
+    ("film --robot 9", "--robot 9: the robots are numbered 0 to "),
+    ("film --fps 500", "should be 1 to 240 frames a second"),
+    ("film", "pip install 'imageio-ffmpeg"),
+])  # fmt: skip
 def test_wrong_trials_and_options_are_refused(options, said, file, here, refused, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     (here / "file").touch()
@@ -411,10 +384,7 @@ def test_wrong_trials_and_options_are_refused(options, said, file, here, refused
 
 
 @pytest.mark.long
-def test_a_trace_says_what_opinions_are(here):
-    text = (
-        STUDY.replace("[1, 9]", '2\nbrain = "voter"').replace('["ring", "moving"]', '"ring"').replace("density = 5", "")
-    )
-    trace = sc.replay(sc.run(sc.Study.parse(text.replace("ticks = 40\n", "")), jobs=1), 0, 0)
+def test_a_trace_says_what_opinions_are():
+    trace = sc.replay(sc.run(study_of("voter", 2, rounds=40, trials=1), jobs=1), 0, 0)
     assert trace.attrs["opinions"] == 1
     assert "explore" not in trace.attrs["title"]  # nobody gave it

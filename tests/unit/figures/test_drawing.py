@@ -28,14 +28,15 @@ from swarmcensus.support.intervals import estimate
 from tests.support.drawing import PAPER, assert_fits, drawn, forget, study, texts
 
 
+def linear(colour: str) -> list[float]:
+    return [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+
+
 def luminance(colour: str) -> float:
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
-    return float(np.dot([0.2126, 0.7152, 0.0722], linear))
+    return float(np.dot([0.2126, 0.7152, 0.0722], linear(colour)))
 
 
 # ---- looks
-
-
 def test_looks_of_accuracies():
     looks = looks_of(["U(0.5,0.9)", "0.975", "0.6", "0.525", "N(0.75,0.1)", "black=0.9 white=0.6"], "o")
     assert list(looks) == ["0.525", "0.6", "0.975", "N(0.75,0.1)", "U(0.5,0.9)", "black=0.9 white=0.6"]
@@ -50,9 +51,8 @@ def test_looks_of_accuracies():
 def seen_without_green(colour: str) -> np.ndarray:
     """A colour as somebody with deuteranopia sees it, in CIELAB (Machado, Oliveira & Fernandes, 2009)."""
     cones = [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]]
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
     xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
-    x, y, z = (np.array(xyz) @ np.clip(np.array(cones) @ linear, 0, 1)) / [0.9505, 1.0, 1.089]
+    x, y, z = (np.array(xyz) @ np.clip(np.array(cones) @ linear(colour), 0, 1)) / [0.9505, 1.0, 1.089]
     x, y, z = (np.cbrt(c) if c > 0.008856 else 7.787 * c + 16 / 116 for c in (x, y, z))
     return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
 
@@ -71,13 +71,11 @@ def test_brains_can_be_told_apart_without_green():
     assert not shipped & {part for name in mine for part in looks[name][2:4]}
 
 
+OFTEN = st.sampled_from([*TITLES, "mine.py", "swift gain=0.1", "swift gain=0.2", "x.py a=1", "x.py a=2"])
+
+
 @settings(max_examples=50, deadline=None)
-@given(
-    st.lists(
-        st.sampled_from([*TITLES, "mine.py", "swift gain=0.1", "swift gain=0.2", "x.py a=1", "x.py a=2"]),
-        unique=True, min_size=1,
-    )
-)  # fmt: skip
+@given(st.lists(OFTEN, unique=True, min_size=1))
 def test_a_brain_has_one_look(names):
     together = {name: look[2:] for name, look in looks_of(names, "o", "brain").items()}
     swift, commons = (looks_of([name], "d", "brain")[name] for name in ("swift", "commons"))
@@ -100,8 +98,6 @@ def test_no_two_of_many_brains_look_alike():
 
 
 # ---- scatter
-
-
 @pytest.mark.parametrize(("local", "x", "y", "last"), [
     (False, "convergence_round", "convergence_error", 1000),
     (True, "local_convergence_step", "local_convergence_error", 10_000),
@@ -123,29 +119,23 @@ def test_scatter_draws_every_robot(local, x, y, last):
 def test_padding_and_trials_not_run_are_never_drawn():
     results = forget(forget(study(["0.6", "U(0.5,0.9)"]), trial=slice(3, None)), robot=slice(6, None))
     kept = results.isel(setting=0, trial=slice(3), robot=slice(6))
-    np.testing.assert_allclose(
-        drawn(figures.scatter(results).axes[0], "median 0.6")[0],
-        [kept.convergence_round.median(), kept.convergence_error.median()],
-    )
+    np.testing.assert_allclose(drawn(figures.scatter(results).axes[0], "median 0.6")[0],
+                               [kept.convergence_round.median(), kept.convergence_error.median()])  # fmt: skip
     results["convergence_error"][:, 3] = 0.5  # one of the two missing is enough
     results["convergence_round"][:, 4] = 500
     (ax,) = figures.scatter(results).axes
     for accuracy in ("0.6", "U(0.5,0.9)"):
         dots = drawn(ax, f"dots {accuracy}")
-        assert len(dots) == 3 * 6
-        assert np.isfinite(dots).all()
-        assert (dots[:, 0] >= 0).all()
+        assert (dots.shape, np.isfinite(dots).all(), dots[:, 0].min() >= 0) == ((3 * 6, 2), True, True)
 
 
 def test_a_mixed_swarm_is_a_ring_and_lies_below():
     results = study(["0.6", "U(0.5,0.9)"])
     for name in ("convergence_round", "convergence_error"):
         results[name][1] = results[name][0]  # the same robots: one median on the other
-    (ax,) = figures.scatter(results).axes
-    lines = {line.get_label(): line for line in ax.lines}
+    lines = {line.get_label(): line for line in figures.scatter(results).axes[0].lines}
     ring, dot = lines["median U(0.5,0.9)"], lines["median 0.6"]
-    assert ring.get_markerfacecolor() == "none"
-    assert dot.get_markerfacecolor() == palette(1)[0]
+    assert (ring.get_markerfacecolor(), dot.get_markerfacecolor()) == ("none", palette(1)[0])
     assert lines["dots U(0.5,0.9)"].get_zorder() < lines["dots 0.6"].get_zorder()
 
 
@@ -154,14 +144,10 @@ def test_medians_have_crosses_of_intervals_over_trials():
     results["convergence_round"][1, 2:] = -1  # two trials alone
     figure = figures.scatter(results)
     (ax,) = figure.axes
-    ends = drawn(ax, "cross 0.6")
-    x, y = (results[name][0].values for name in ("convergence_round", "convergence_error"))
-    _, left, right = estimate(x.astype(float), "median")
-    _, low, high = estimate(y, "median")
-    middle = np.median(x), np.median(y)
-    np.testing.assert_allclose(
-        ends, sorted([(left, middle[1]), (right, middle[1]), (middle[0], low), (middle[0], high)])
-    )
+    x, y = (results[name][0].values.astype(float) for name in ("convergence_round", "convergence_error"))
+    (_, left, right), (_, low, high) = estimate(x, "median"), estimate(y, "median")
+    ends = [(left, np.median(y)), (right, np.median(y)), (np.median(x), low), (np.median(x), high)]
+    np.testing.assert_allclose(drawn(ax, "cross 0.6"), sorted(ends))
     assert not drawn(ax, "cross 0.7").size
     assert "95 % interval" in texts(figure)
     assert "interval" not in texts(figures.scatter(results.isel(trial=slice(5))))
@@ -175,8 +161,7 @@ def test_the_axis_of_convergence_begins_where_the_data_do():
     assert 900 < ax.get_xlim()[0] < 950 < 1000 < ax.get_xlim()[1] < 1010
     late["convergence_round"][0, :, :4] = 20
     (ax,) = figures.scatter(late).axes
-    assert ax.get_xscale() == "asinh"
-    assert ax.get_xlim()[0] == 20
+    assert (ax.get_xscale(), ax.get_xlim()[0]) == ("asinh", 20)
 
 
 def test_medians_have_their_names_where_there_is_room():
@@ -198,9 +183,8 @@ def test_medians_have_their_names_where_there_is_room():
 def test_many_accuracies_have_a_colour_bar():
     for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), partial(figures.lines, x="accuracy")):
         legend = draw(study(), color="accuracy").axes[0].get_legend()
-        assert [text.get_text() for text in legend.get_texts()][:2] == [
-            "0.975\n0.825\n0.675\n0.525", "U(0.525, 0.975)",
-        ]  # fmt: skip
+        bar, mixed, *_ = (text.get_text() for text in legend.get_texts())
+        assert (bar, mixed) == ("0.975\n0.825\n0.675\n0.525", "U(0.525, 0.975)")
         colours = [to_hex(patch.get_facecolor()) for patch in legend.findobj(Rectangle)]
         assert [colour for colour in colours if colour in palette(10)] == palette(10)[::-1]
 
@@ -216,8 +200,6 @@ def test_empty_panel_is_left_out_with_a_note():
 
 
 # ---- decisions
-
-
 def test_decisions_are_percentages_over_all_robots_and_trials():
     few, many = study(["0.6"], robots=8, trials=4), study(["0.6"], robots=24, trials=4, seed=1)
     both = xr.concat([few[["correct"]], many[["correct"]]], "setting")
@@ -233,13 +215,12 @@ def test_mark_of_perfect_decisions():
     results["correct"][1, 2, :] = np.nan
     results["correct"][2, :, 2:] = np.nan  # trials not run yet: those that were are all right
     (ax,) = figures.lines(results, x="checkpoint").axes
-    assert np.round(drawn(ax, "all right 0.6")[:, 0]).tolist() == [0, 2]
-    assert np.round(drawn(ax, "all right 0.7")[:, 0]).tolist() == [0, 1]
-    assert np.round(drawn(ax, "all right 0.8")[:, 0]).tolist() == [0, 1, 2]
+    bars = {name: drawn(ax, f"all right {name}") for name in ("0.6", "0.7", "0.8")}
+    at = {name: np.round(found[:, 0]).tolist() for name, found in bars.items()}
+    assert at == {"0.6": [0, 2], "0.7": [0, 1], "0.8": [0, 1, 2]}
     assert drawn(ax, "right 0.6")[1, 1] == pytest.approx(100 * 39 / 40)
     assert len(drawn(ax, "right 0.7")) == 2  # nothing is drawn where nothing was run
-    bars, diamonds = drawn(ax, "all right 0.6"), drawn(ax, "right 0.6")
-    assert {tuple(bar) for bar in bars} <= {tuple(diamond) for diamond in diamonds}
+    assert {tuple(bar) for bar in bars["0.6"]} <= {tuple(diamond) for diamond in drawn(ax, "right 0.6")}
 
 
 def test_a_thin_line_is_the_interval_over_trials():
@@ -257,13 +238,10 @@ def test_a_thin_line_is_the_interval_over_trials():
             np.testing.assert_allclose(line[:, 0], drawn(ax, f"right {name}")[checkpoint, 0])
             assert high > low
     assert "95 % interval" in texts(figure)
-    few = figures.lines(results.isel(trial=slice(5)), x="checkpoint")
-    assert "interval" not in texts(few)
+    assert "interval" not in texts(figures.lines(results.isel(trial=slice(5)), x="checkpoint"))
 
 
 # ---- curves
-
-
 def trace(robots: int, rounds: int = 50, **attrs) -> xr.Dataset:
     noise = np.random.default_rng(0).normal(0, 0.2, (rounds + 1, robots)) / (np.arange(rounds + 1) + 1)[:, None]
     x = np.clip(0.55 + noise, 0, 1)
@@ -294,12 +272,9 @@ def test_the_shaded_bin_holds_the_truth(truth, bottom, top):
 
 
 # ---- heatmap
-
-
 def grid_study(**coordinates) -> xr.Dataset:
-    parts = [
-        study(["0.6", "0.9", "U(0.5,0.9)"], seed=i, fill_ratio=f, **coordinates) for i, f in enumerate((0.55, 0.95))
-    ]
+    accuracies = ["0.6", "0.9", "U(0.5,0.9)"]
+    parts = [study(accuracies, seed=i, fill_ratio=f, **coordinates) for i, f in enumerate((0.55, 0.95))]
     return xr.concat(parts, "setting")
 
 
@@ -309,18 +284,16 @@ def test_heatmap_shows_medians_of_finished_cells():
     assert "grey: no finished trial" in texts(error.figure)  # in the key
     cells = {tuple(np.round(t.get_position()).astype(int)): t for t in error.texts}
     assert set(cells) == {(x, y) for x in range(2) for y in range(3)} - {(1, 1)}
-    median = float(results.convergence_error[0].median())
-    assert cells[0, 0].get_text() == f"{median:.4f}"
+    assert cells[0, 0].get_text() == f"{float(results.convergence_error[0].median()):.4f}"
     image = np.asarray(rounds.images[0].get_array().filled(np.nan))
     np.testing.assert_allclose(image[2], [results.convergence_round[i].median() for i in (2, 5)])
     assert [t.get_text() for t in error.get_yticklabels()] == ["0.6", "0.9", "U(0.5, 0.9)"]
     assert [t.get_text() for t in error.get_xticklabels()] == ["0.55", "0.95"]
-    for ax in (error, rounds):
-        for text in ax.texts:
-            x, y = np.round(text.get_position()).astype(int)
-            back = luminance(ax.images[0].to_rgba(ax.images[0].get_array())[y, x, :3])
-            fore = luminance(text.get_color())
-            assert (max(back, fore) + 0.05) / (min(back, fore) + 0.05) >= 4.2  # legible
+    for ax, text in ((axes, text) for axes in (error, rounds) for text in axes.texts):
+        x, y = np.round(text.get_position()).astype(int)
+        ground = ax.images[0].to_rgba(ax.images[0].get_array())[y, x, :3]
+        low, high = sorted([luminance(ground), luminance(text.get_color())])
+        assert (high + 0.05) / (low + 0.05) >= 4.2  # legible
 
 
 def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
@@ -328,8 +301,7 @@ def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     results["convergence_round"][1] = 0  # accuracy 0.9, f = 0.55
     figure = figures.heatmap(results)
     _, rounds = figure.axes
-    assert len(rounds.texts) == 5
-    assert np.isnan(rounds.images[0].get_array().filled(np.nan)).sum() == 1
+    assert (len(rounds.texts), np.isnan(rounds.images[0].get_array().filled(np.nan)).sum()) == (5, 1)
     best = {text for text in texts(figure).split("\n") if text.endswith(" best")}
     assert len(best - {"0 best"}) == 2  # a colour bar for each measure
     assert "grey: robots never learnt (K = 0)" in figures.caption(figure)
@@ -357,8 +329,7 @@ def test_names_of_many_brains_are_whole_in_rows():
 
 def test_heatmaps_of_several_worlds_share_their_colours():
     both = xr.concat([grid_study(), grid_study(topology="full") * 0.5], "setting")
-    figure = figures.heatmap(both, z="convergence_error")
-    ring, full = figure.axes
+    ring, full = figures.heatmap(both, z="convergence_error").axes
     assert [ax.get_title("left").split("\n")[0] for ax in (ring, full)] == ["(a) ring", "(b) full"]
     assert ring.images[0].get_clim() == full.images[0].get_clim()
     assert len(figures.heatmap(both).axes) == 4
@@ -367,8 +338,7 @@ def test_heatmaps_of_several_worlds_share_their_colours():
 
 
 def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
-    written = texts(figures.heatmap(grid_study(), title="costs $2 or $3"))
-    assert "costs $2 or $3" in written
+    assert "costs $2 or $3" in texts(figures.heatmap(grid_study(), title="costs $2 or $3"))
     for figure in (figures.scatter(study(["0.6"]), title="$2 or $3"), figures.curves(trace(3), title="$2 or $3")):
         assert "$2 or $3" in texts(figure)
         figure.canvas.draw()
@@ -376,23 +346,18 @@ def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
 
 
 # ---- panels
-
-
-@pytest.mark.parametrize(
-    ("varied", "captions"),
-    [
-        ([{"assumed_accuracy": "error=-0.09999999999999998"}, {"assumed_accuracy": "error=0.05"}],
-         ["assumed accuracy error=-0.1", "assumed accuracy error=0.05"]),
-        ([{"fill_ratio": f, "link_success": s} for f in (0.12345671, 0.12345672) for s in (0.9999999, 1.0)],
-         ["f = 0.12345671, link success 0.9999999", "f = 0.12345671, link success 1",
-          "f = 0.12345672, link success 0.9999999", "f = 0.12345672, link success 1"]),
-        ([{"weather": "dry"}, {"weather": "dry", "topology": "moving", "density": 10.0}, {"weather": "rain"}],
-         ["ring, weather = dry", "moving, D = 10, weather = dry", "ring, weather = rain"]),
-        ([{"topology": t, "fill_ratio": f, "robots": n} for t in ("ring", "full") for f, n in ((0.5, 8), (0.9, 1000))],
-         ["ring, N = 8, f = 0.5", "ring, N = 1,000, f = 0.9", "full, N = 8, f = 0.5", "full, N = 1,000, f = 0.9"]),
-        ([{}], [""]),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("varied", "captions"), [
+    ([{"assumed_accuracy": "error=-0.09999999999999998"}, {"assumed_accuracy": "error=0.05"}],
+    ["assumed accuracy error=-0.1", "assumed accuracy error=0.05"]),
+    ([{"fill_ratio": f, "link_success": s} for f in (0.12345671, 0.12345672) for s in (0.9999999, 1.0)],
+    ["f = 0.12345671, link success 0.9999999", "f = 0.12345671, link success 1",
+    "f = 0.12345672, link success 0.9999999", "f = 0.12345672, link success 1"]),
+    ([{"weather": "dry"}, {"weather": "dry", "topology": "moving", "density": 10.0}, {"weather": "rain"}],
+    ["ring, weather = dry", "moving, D = 10, weather = dry", "ring, weather = rain"]),
+    ([{"topology": t, "fill_ratio": f, "robots": n} for t in ("ring", "full") for f, n in ((0.5, 8), (0.9, 1000))],
+    ["ring, N = 8, f = 0.5", "ring, N = 1,000, f = 0.9", "full, N = 8, f = 0.5", "full, N = 1,000, f = 0.9"]),
+    ([{}], [""]),
+])  # fmt: skip
 def test_captions_tell_panels_apart(varied, captions):
     parts = [study(["0.6", "0.7"], **coordinates)[["correct"]] for coordinates in varied]
     panels = panels_of(xr.concat(parts, "setting"))
@@ -401,12 +366,10 @@ def test_captions_tell_panels_apart(varied, captions):
 
 
 def test_robots_that_know_their_sensors_are_one_panel():
-    results = study(["0.6", "0.7"])
-    known = results.assign_coords(assumed_accuracy=("setting", ["0.6", "0.7"]))
-    fixed = results.assign_coords(assumed_accuracy=("setting", ["0.8", "0.8"]))
+    known = study(["0.6", "0.7"], assumed_accuracy=["0.6", "0.7"])
+    fixed = study(["0.6", "0.7"], assumed_accuracy="0.8")
     assert len(panels_of(known)) == len(panels_of(fixed)) == 1
-    captions = [p.caption for p in panels_of(xr.concat([known, fixed], "setting"))]
-    assert captions == ["", "assumed accuracy 0.8"]
+    assert [p.caption for p in panels_of(xr.concat([known, fixed], "setting"))] == ["", "assumed accuracy 0.8"]
     assert varies(known, set()) == {"accuracy": ["0.6", "0.7"]}
 
 
@@ -414,10 +377,9 @@ def test_number_of_panels():
     results = study(["0.6", "0.7"])
     figure = columns_grid([(str(i), results) for i in range(16)])
     assert len({ax.get_position().x0 for ax in figure.axes}) == 4
-    with pytest.raises(InputError, match="120 panels, not 121: select some"):
-        scatter_grid([("", results)] * 121)
-    with pytest.raises(InputError, match="not 0"):
-        scatter_grid([])
+    for count, said in ((121, "120 panels, not 121: select some"), (0, "not 0")):
+        with pytest.raises(InputError, match=said):
+            scatter_grid([("", results)] * count)
 
 
 def test_panels_by_two_coordinates_are_a_table():
@@ -446,8 +408,7 @@ def test_pictures_of_a_part_say_so():
     results = grid_study(link_success=1.0)
     part = forget(results, trial=slice(3, None)).assign_attrs(trials_done=18, trials_total=30)
     for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), figures.heatmap):
-        written = figures.caption(draw(part))
-        assert "drawn: 18 of 30 trials" in written
+        assert "drawn: 18 of 30 trials" in figures.caption(draw(part))
         assert "drawn:" not in figures.caption(draw(results.assign_attrs(trials_done=30, trials_total=30)))
         assert "drawn: 6 of 10 trials" in figures.caption(draw(part.isel(setting=[0, 1])))
         few = figures.caption(draw(part.isel(trial=slice(3))))  # all of what is asked for
@@ -458,7 +419,6 @@ def test_pictures_of_a_part_say_so():
 
 
 # ---- names of any length
-
 NAMES = "watts_strogatz_graph(k=4,p=0.1), my_quite_long_brain_name_of_2024.py, N = 10, f = 0.55"
 
 
@@ -508,8 +468,6 @@ def test_long_titles_stay_on_their_page():
 
 
 # ---- bad input
-
-
 def test_nothing_left_to_draw_is_an_input_error():
     empty = forget(study(), trial=slice(None))
     for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), figures.heatmap):
@@ -517,21 +475,19 @@ def test_nothing_left_to_draw_is_an_input_error():
             draw(empty)
         with pytest.raises(InputError, match="no setting"):
             draw(study().isel(setting=[]))
-    with pytest.raises(InputError, match="nothing to draw"):
-        figures.curves(trace(3).where(False))
-    with pytest.raises(InputError, match="'local_convergence_step': set local = true"):
-        figures.scatter(study().drop_vars("local_convergence_step"), local=True)
-    with pytest.raises(InputError, match="'correct'"):
-        figures.lines(study().drop_vars("correct"), x="checkpoint")
-    with pytest.raises(InputError, match="no setting"):
-        figures.scatter(study().isel(setting=0))
-    with pytest.raises(InputError, match="no round"):
-        figures.curves(trace(3).isel(round=[]))
+    without = study().drop_vars("local_convergence_step")
+    for draw, what, said in (
+        (figures.curves, trace(3).where(False), "nothing to draw"),
+        (figures.curves, trace(3).isel(round=[]), "no round"),
+        (figures.scatter, study().isel(setting=0), "no setting"),
+        (partial(figures.lines, x="checkpoint"), study().drop_vars("correct"), "'correct'"),
+        (partial(figures.scatter, local=True), without, "'local_convergence_step': set local = true"),
+    ):
+        with pytest.raises(InputError, match=said):
+            draw(what)
 
 
 # ---- files
-
-
 def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     results = study(["0.6", "0.7"])
 
@@ -548,35 +504,29 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.caption.txt", "f0.55.png", "f0.55.svg"]
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"figure": 3}, "figure='int': should be a figure"),
-        ({"path": 3}, "path=3: should be the name of a file"),
-        ({"formats": "png"}, r"formats='png': should be a list of endings, such as \['png', 'pdf'\]"),
-        ({"formats": [3]}, "formats=.*should be a list"),
-        ({"dpi": "x"}, "dpi='x': should be 10 to 2400"),
-    ],
-)
+@pytest.mark.parametrize(("given", "said"), [
+    ({"figure": 3}, "figure='int': should be a figure"),
+    ({"path": 3}, "path=3: should be the name of a file"),
+    ({"formats": "png"}, r"formats='png': should be a list of endings, such as \['png', 'pdf'\]"),
+    ({"formats": [3]}, "formats=.*should be a list"),
+    ({"dpi": "x"}, "dpi='x': should be 10 to 2400"),
+])  # fmt: skip
 def test_what_is_no_figure_and_no_path_is_refused(given, said, tmp_path: Path):
     with pytest.raises(InputError, match=said):
         figures.save(**{"figure": Figure(), "path": tmp_path / "x", **given})
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("kind", "options", "said"),
-    [
-        ("scatter", {"scale": "nix"}, "scale='nix': should be one of log, log-y, linear"),
-        ("scatter", {"error_limit": -1}, "error_limit=-1: should be a number above 0"),
-        ("scatter", {"local": 1}, "local=1: should be True or False"),
-        ("scatter", {"color": 3}, "color=3: should be a text"),
-        ("lines", {"y": "stop_round"}, "y='stop_round': nothing to draw: no trial of these settings has numbers of it"),
-        ("film", {"fps": 0}, "fps=0: should be 1 to 240 frames a second"),
-        ("film", {"fps": True}, "fps=True: should be a whole number"),
-        ("arena", {"tick": 1.5}, "tick=1.5: should be a whole number or a text"),
-    ],
-)
+@pytest.mark.parametrize(("kind", "options", "said"), [
+    ("scatter", {"scale": "nix"}, "scale='nix': should be one of log, log-y, linear"),
+    ("scatter", {"error_limit": -1}, "error_limit=-1: should be a number above 0"),
+    ("scatter", {"local": 1}, "local=1: should be True or False"),
+    ("scatter", {"color": 3}, "color=3: should be a text"),
+    ("lines", {"y": "stop_round"}, "y='stop_round': nothing to draw: no trial of these settings has numbers of it"),
+    ("film", {"fps": 0}, "fps=0: should be 1 to 240 frames a second"),
+    ("film", {"fps": True}, "fps=True: should be a whole number"),
+    ("arena", {"tick": 1.5}, "tick=1.5: should be a whole number or a text"),
+])  # fmt: skip
 def test_options_of_wrong_types_are_refused_before_anything_is_computed(kind, options, said):
     results = study().assign(stop_round=lambda data: data["convergence_error"] * np.nan)
     with pytest.raises(InputError, match=said):

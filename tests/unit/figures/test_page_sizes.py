@@ -20,6 +20,7 @@ from swarmcensus.summaries.table_of_summary import Summary
 from swarmcensus.support.terminal import as_text
 from tests.support.contending import made_up
 from tests.support.drawing import study, texts
+from tests.support.small import study_of
 
 BELIEFS = """
 trials = 6
@@ -27,31 +28,20 @@ swarm = {robots = 8, accuracy = [0.7, 0.8], assumed_accuracy = [0.7, 0.75, {erro
 world = {topology = "full", fill_ratio = [0.55, 0.8]}
 schedule = {rounds = 30}
 """
-MOVING = """
-name = "moving"
-trials = 1
-swarm = {robots = 6, accuracy = 0.8}
-world = {topology = "moving", density = 2, fill_ratio = 0.55}
-schedule = {ticks = 20}
-"""
 
 
 @pytest.fixture(scope="module")
 def draw(small_results):
     """A function that draws a kind with some options."""
-    beliefs, moving = (sc.run(sc.Study.parse(text), jobs=1) for text in (BELIEFS, MOVING))
+    studies = sc.Study.parse(BELIEFS), study_of(robots=6, accuracy=0.8, ticks=20, trials=1, density=2)
+    beliefs, moving = (sc.run(one, jobs=1) for one in studies)
     two = small_results.isel(setting=np.isin(small_results["topology"].values, ["ring", "full"]))
     at_055 = two.isel(setting=two["fill_ratio"].values == 0.55)
     results = {
-        "scatter": at_055.isel(setting=at_055["robots"].values == 12),
-        "columns": at_055.isel(setting=at_055["robots"].values == 12),
-        "lines": two,
-        "heatmap": small_results.isel(setting=slice(0, 4)),
-        "curves": small_results,
-        "beliefs": beliefs,
-        "arena": moving,
+        "lines": two, "heatmap": small_results.isel(setting=slice(0, 4)), "curves": small_results, "beliefs": beliefs,
+        "arena": moving, **dict.fromkeys(("scatter", "columns"), at_055.isel(setting=at_055["robots"].values == 12)),
         **dict.fromkeys(("compare", "ranks", "pareto", "steps"), made_up(trials=6, gap=0.3)),
-    }
+    }  # fmt: skip
     own = {
         "lines": {"x": "robots", "cols": "topology"}, "curves": {"setting": 3}, "columns": {"x": "checkpoint"},
         "beliefs": {"x": "belief", "theory": True}, "steps": {"form": "steps"},
@@ -72,16 +62,10 @@ def shown(figure: Figure) -> list[tuple[str, np.ndarray]]:
     figure.draw_without_rendering()
     texts = [t for t in figure.findobj(Text) if t.get_text().strip() and t.get_visible()]
     off = {id(t) for ax in figure.findobj(Axes) if not ax.axison for a in (ax.xaxis, ax.yaxis) for t in a.findobj(Text)}
-    texts = [t for t in texts if id(t) not in off]
-    # an axis keeps labels of ticks outside its limits
-    ticks = {id(label): ax for ax in figure.findobj(mpl.axis.Axis) for label in ax.get_ticklabels()}
-    beyond = [t for t in texts if id(t) in ticks and not _on_axis(t, ticks[id(t)])]
-    return [(t.get_text(), t.get_window_extent()) for t in texts if t not in beyond]
-
-
-def _on_axis(label, axis):
-    low, high = sorted(axis.get_view_interval())
-    return low <= label.get_position()[axis.axis_name == "y"] <= high
+    for ax in figure.findobj(mpl.axis.Axis):  # which keeps labels of ticks outside its limits
+        low, high = sorted(ax.get_view_interval())
+        off |= {id(t) for t in ax.get_ticklabels() if not low <= t.get_position()[ax.axis_name == "y"] <= high}
+    return [(t.get_text(), t.get_window_extent()) for t in texts if id(t) not in off]
 
 
 def assert_readable(figure: Figure, within: float = 1.0) -> None:
@@ -129,9 +113,9 @@ def test_what_a_page_has_no_room_for_is_in_further_files(small_file, small_resul
 
 
 def test_variants_of_a_brain_are_contenders():
-    brains = np.repeat(["census", "steadfast", "mine.py", "mine.py"], 2)
-    results = study(["0.7", "0.8"] * 4, brain=brains, gain=np.repeat([np.nan, np.nan, 0.1, 1.0], 2),
-                    z=np.repeat([5.0, 4.0, np.nan, np.nan], 2))  # fmt: skip
+    given = {"brain": ["census", "steadfast", "mine.py", "mine.py"], "gain": [np.nan, np.nan, 0.1, 1.0]}
+    given = {name: np.repeat(values, 2) for name, values in (given | {"z": [5.0, 4.0, np.nan, np.nan]}).items()}
+    results = study(["0.7", "0.8"] * 4, **given)
     results.attrs["parameters"] = '{"census": ["z"], "steadfast": ["z"], "mine.py": ["gain"]}'
     figure = sc.plot.lines(results, x="accuracy", color="brain", width="column")
     assert len(figure.axes) == 1
@@ -168,21 +152,18 @@ def test_height_and_font_size(draw):
     assert {t.get_fontsize() for t in draw("lines", font_size=12).axes[0].get_xticklabels()} == {12.0}
 
 
-@pytest.mark.parametrize(
-    ("kind", "options", "said"),
-    [
-        ("lines", {"width": "wide"}, r"width='wide': should be 2 to 60 inches, or one of column, double, slide"),
-        ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
-        ("lines", {"width": "column", "height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
-        ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
-        ("arena", {"height": 2.0, "width": "column"}, r"height=2.0: this figure needs \d+\.\d inches at least"),
-        ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
-        ("lines", {"labels": 3}, "labels=3: should be names by names"),
-        ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
-        ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
-        ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),
-    ],
-)
+@pytest.mark.parametrize(("kind", "options", "said"), [
+    ("lines", {"width": "wide"}, r"width='wide': should be 2 to 60 inches, or one of column, double, slide"),
+    ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
+    ("lines", {"width": "column", "height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
+    ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
+    ("arena", {"height": 2.0, "width": "column"}, r"height=2.0: this figure needs \d+\.\d inches at least"),
+    ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
+    ("lines", {"labels": 3}, "labels=3: should be names by names"),
+    ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
+    ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
+    ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),
+])  # fmt: skip
 def test_impossible_pages_are_refused_in_a_line(kind, options, said, draw):
     with pytest.raises(sc.InputError, match=said):
         draw(kind, **options)
@@ -225,8 +206,6 @@ def test_styles_are_respected(draw, small_file, here):
 
 
 # ---- names of brains
-
-
 def test_labels_are_written_as_they_are(draw, tmp_path):
     labels = {"minimalistic": r"bad $\frac$ x", "bayes-bots": "voter and more", "voter": "census"}
     for kind in ("pareto", "compare"):
@@ -272,28 +251,23 @@ def test_labels_change_names_only(here, accepted):
 
 
 def test_a_label_changes_no_colour():
-    results = made_up(worlds=("ring",), trials=6)
-    plain, labelled = (
-        [handle.get_markerfacecolor() for handle in figure.axes[0].get_legend().legend_handles[:4]]
-        for figure in (sc.plot.pareto(results, labels=labels) for labels in ({}, {"voter": "Ours", "bayes-bots": "B"}))
-    )
-    assert plain == labelled
+    results, colours = made_up(worlds=("ring",), trials=6), []
+    for labels in ({}, {"voter": "Ours", "bayes-bots": "B"}):
+        legend = sc.plot.pareto(results, labels=labels).axes[0].get_legend()
+        colours.append([handle.get_markerfacecolor() for handle in legend.legend_handles[:4]])
+    assert colours[0] == colours[1]
 
 
 def test_equal_labels_of_two_brains():
-    studies = [
-        sc.Study.parse(f"labels.{brain} = 'Ours'\n{TWO}".replace('["minimalistic", "legacy"]', f'"{brain}"'))
-        for brain in ("minimalistic", "legacy")
-    ]
-    merged = sc.merge([sc.run(study, jobs=1) for study in studies])
+    texts = [f"labels.{brain} = 'Ours'\n{TWO}".replace('["minimalistic", "legacy"]', f'"{brain}"')
+             for brain in ("minimalistic", "legacy")]  # fmt: skip
+    merged = sc.merge([sc.run(sc.Study.parse(text), jobs=1) for text in texts])
     figure = sc.plot.lines(merged, x="brain")
     assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Minimalistic (paper)", "Legacy (paper)"]
     assert sc.compare(merged).grid.contenders == ["minimalistic", "legacy"]
 
 
 # ---- what figures say
-
-
 def test_too_few_trials_are_said_as_compare_says_it(draw):
     data = made_up(trials=6, gap=0.3)
     said = [caution for caution in sc.compare(data).cautions if "cannot tell anything apart" in caution]
@@ -316,8 +290,7 @@ def test_one_sided_interval_is_dotted():
     results = sc.run(study, jobs=1)
     assert (results["correct"].isel(checkpoint=-1) == 1).all()
     figure = sc.plot.lines(results, x="checkpoint")
-    kinds = {c.get_label().split()[0] for axes in figure.axes for c in axes.collections}
-    assert "one-sided" in kinds
+    assert "one-sided" in {c.get_label().split()[0] for axes in figure.axes for c in axes.collections}
     assert any("lower end only" in text for text, _ in shown(figure))
     out = as_text(Summary(results, results).print_on, 500)
     assert re.search(r"100\.0 +\[>= \d\d\.\d\]", out)

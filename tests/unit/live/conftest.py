@@ -5,7 +5,7 @@ import pytest
 from swarmcensus.live.choices import offer_of
 from swarmcensus.live.server import listen, serving
 from tests.conftest import opened
-from tests.support.growing import ROUNDS
+from tests.support.growing import ROUNDS, Recording
 from tests.support.relived import logged, told
 from tests.support.watching import PAGE_STUDY
 
@@ -32,13 +32,17 @@ def page(browser):
     context = browser.new_context(viewport={"width": 1280, "height": 900}, permissions=["clipboard-write"])
     made = context.new_page()
     complaints = []
-    made.on(
-        "console", lambda message: complaints.append(message.text) if message.type in ("error", "warning") else None
-    )
+    made.on("console", lambda said: said.type in ("error", "warning") and complaints.append(said.text))
     made.on("pageerror", lambda error: complaints.append(str(error)))
     yield made
     context.close()
     assert complaints == []
+
+
+@pytest.fixture
+def recording(whole, tmp_path):
+    """The day as its logs grow."""
+    return Recording(whole, tmp_path / "day")
 
 
 @pytest.fixture(scope="module")

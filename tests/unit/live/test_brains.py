@@ -39,17 +39,14 @@ def test_parameters_are_set_and_shown():
     assert begun["form"]["parameters"][0] == momentum
 
 
-@pytest.mark.parametrize(
-    ("asked", "said"),
-    [
-        ({"brain.momentun": "0.5"}, "no parameter 'momentun': did you mean 'momentum'?"),
-        ({"beside": "census", "beside.z": "nan"}, "z = nan: not a number"),
-        ({"brain.momentum": "[[1, 2]]"}, "momentum = [1, 2]: "),
-        ({"beside.z": "1"}, "beside.z: no second brain is selected"),
-        ({"brain": "minimalistic", "brain.momentum": "0.5"}, "the brain 'minimalistic' has no parameter 'momentum'"),
-        ({"momentum": "0.5"}, "unknown key momentum"),
-    ],
-)
+@pytest.mark.parametrize(("asked", "said"), [
+    ({"brain.momentun": "0.5"}, "no parameter 'momentun': did you mean 'momentum'?"),
+    ({"beside": "census", "beside.z": "nan"}, "z = nan: not a number"),
+    ({"brain.momentum": "[[1, 2]]"}, "momentum = [1, 2]: "),
+    ({"beside.z": "1"}, "beside.z: no second brain is selected"),
+    ({"brain": "minimalistic", "brain.momentum": "0.5"}, "the brain 'minimalistic' has no parameter 'momentum'"),
+    ({"momentum": "0.5"}, "unknown key momentum"),
+])  # fmt: skip
 def test_a_wrong_parameter_is_named(asked, said):
     with pytest.raises(InputError) as told:
         wanted(offer_of(None), CENSUS | asked)
@@ -73,15 +70,12 @@ def test_the_command_takes_parameters(here, refused):
         assert said in refused(*words, *wrong)
 
 
-@pytest.mark.parametrize(
-    ("played", "said"),
-    [
-        ({"zoom": "0.5"}, "zoom = 0.5: should be a number from 1 to 40"),
-        ({"centre": "2,0"}, "centre = 2,0: should be two numbers from 0 to 1, such as 0.25,0.5"),
-        ({"log": "yes"}, "log = yes: should be 0 or 1"),
-        ({"speed": "0"}, "speed = 0: should be a number from 1 to 10000, or Infinity"),
-    ],
-)
+@pytest.mark.parametrize(("played", "said"), [
+    ({"zoom": "0.5"}, "zoom = 0.5: should be a number from 1 to 40"),
+    ({"centre": "2,0"}, "centre = 2,0: should be two numbers from 0 to 1, such as 0.25,0.5"),
+    ({"log": "yes"}, "log = yes: should be 0 or 1"),
+    ({"speed": "0"}, "speed = 0: should be a number from 1 to 10000, or Infinity"),
+])  # fmt: skip
 def test_a_wrong_view_is_refused(played, said):
     found = wanted(offer_of(None), {})
     check_moment(found, {"zoom": "3", "centre": "0.25,1", "follow": "1", "log": "1", "full": "0", "speed": "20"})

@@ -7,7 +7,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.live.sessions import Session
-from tests.support.browsing import PUT, come, playwright, pytestmark, until  # noqa: F401 - marks this file
+from tests.support.browsing import PUT, come, contrast, playwright, pytestmark, until  # noqa: F401 - marks this file
 from tests.support.watching import LIARS, PAGE_STUDY
 
 
@@ -29,9 +29,8 @@ def test_quick_changes_stay(page, served, let):
     until(page, "state.scenes[0].robots", 9)
     assert page.evaluate("[$('control-accuracy').value, state.preparing, state.tick]") == ["0.9", True, 77]
     may.release()
-    until(
-        page, "[state.preparing, state.form.now.accuracy, state.scenes[0].robots, state.drawn]", [False, "0.9", 9, 77]
-    )
+    until(page, "[state.preparing, state.form.now.accuracy, state.scenes[0].robots, state.drawn]",
+          [False, "0.9", 9, 77])  # fmt: skip
 
 
 def test_of_several_changes_only_the_wrong_one_is_lost(page, served, let):
@@ -78,9 +77,8 @@ def test_a_field_of_the_memory_is_drawn_over_time(page, served):
     come(page, served.address("setting=1&trial=2&tick=120&robot=5"), 120)
     page.select_option("#plot", "x_bar")
     until(page, "state.charts.memory?.history.missing(121)", None)
-    drawn = page.evaluate(
-        "['value', 'low', 'median', 'highest'].map(name => state.charts.memory.history.of(name).slice(0, 121))"
-    )
+    names = "['value', 'low', 'median', 'highest']"
+    drawn = page.evaluate(f"{names}.map(name => state.charts.memory.history.of(name).slice(0, 121))")
     due = [trace[:121, 5], *np.quantile(trace[:121], (0.25, 0.5, 1.0), axis=1)]
     np.testing.assert_allclose(np.array(drawn), due, rtol=1e-12)
     assert page.inner_text(".chart h3 >> nth=0") == "x_bar: robot 5, and the swarm"
@@ -150,9 +148,8 @@ def test_any_key_of_a_study_can_be_given(page, served):
     page.wait_for_url("**missing_links=0.3*bins=4**")
     page.fill("#control-missing_links", "")
     page.keyboard.press("Enter")
-    until(
-        page, "[state.preparing, state.form.asked.missing_links ?? '', $('control-missing_links')]", [False, "", None]
-    )
+    until(page, "[state.preparing, state.form.asked.missing_links ?? '', $('control-missing_links')]",
+          [False, "", None])  # fmt: skip
     page.fill("[id='control-KEY=VALUE']", "bins")
     page.keyboard.press("Enter")
     playwright.expect(page.locator("#error")).to_contain_text("bins: should be KEY=VALUE, such as missing_links=0.1")
@@ -178,18 +175,12 @@ def test_liars_of_the_controls_are_members_of_the_study(page, served):
 @pytest.mark.long
 def test_all_is_on_one_screen(page, served):
     page.set_viewport_size({"width": 1280, "height": 800})
-    for asked in (
-        "robot=3&plot=t&fill_ratio=0.3",
-        f"setting=1&brain=voter&{LIARS}",
-        "beside=commons",
-    ):
+    for asked in ("robot=3&plot=t&fill_ratio=0.3", f"setting=1&brain=voter&{LIARS}", "beside=commons"):
         come(page, served.address(asked), 100)
         until(page, "state.settled?.length > 0 && state.drawn === 100", True)
         until(page, "document.documentElement.scrollHeight", 800)
-        ends = page.locator("#stages, #plots, #controls, #numbers").evaluate_all(
-            "all => all.map(one => one.getBoundingClientRect().bottom)"
-        )
-        assert max(ends) <= 800
+        parts = page.locator("#stages, #plots, #controls, #numbers")
+        assert max(parts.evaluate_all("all => all.map(one => one.getBoundingClientRect().bottom)")) <= 800
         assert page.locator("header").bounding_box()["height"] < 40
         assert page.locator("#title").evaluate("title => title.scrollHeight <= title.clientHeight")  # it is not cut
         assert min(stage.bounding_box()["width"] for stage in page.locator(".stage").all()) > 350
@@ -208,16 +199,9 @@ def test_links_and_robots_stand_out(page, served, scheme):
     come(page, served.address("setting=1&topology=full&robots=80&fill_ratio=0.65"), 5)
     until(page, "state.drawn", 5)
 
-    def light(colour):
-        parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-        return np.dot(
-            [0.2126, 0.7152, 0.0722], [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
-        )
-
-    ground, *drawn = (light(page.evaluate(f"tone('--{name}')")) for name in ("sheet", "link", "edge"))
+    ground, *drawn = (page.evaluate(f"tone('--{name}')") for name in ("sheet", "link", "edge"))
     for one in drawn:
-        low, high = sorted([one, ground])
-        assert (high + 0.05) / (low + 0.05) >= 3.0
+        assert contrast([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in (one, ground)]) >= 3.0, one
     covered = page.evaluate(
         """(() => {
             const canvas = state.stages[0].web.getNativeCanvasElement();

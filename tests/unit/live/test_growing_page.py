@@ -7,17 +7,14 @@ import pytest
 from swarmcensus.live.choices import offer_of
 from swarmcensus.live.server import listen, serving
 from tests.support.browsing import come, playwright, pytestmark as marks, until
-from tests.support.growing import Recording
 
 pytestmark = [*marks, pytest.mark.interpreted]
 
 
 @pytest.fixture
-def watched(page, whole, tmp_path):
+def watched(page, recording):
     """The page of a day that grows, and the day."""
-    recording = Recording(whole, tmp_path / "day")
-    served = listen(offer_of(recording.folder))
-    with serving(served):
+    with serving(served := listen(offer_of(recording.folder))):
         come(page, served.address())
         yield page, recording
 
@@ -73,8 +70,7 @@ def test_it_follows_rewinds_and_learns_of_the_end(watched, size):
     assert shown.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
-def test_a_page_shows_nothing_that_needs_an_unknown_fill_ratio(page, whole, tmp_path):
-    recording = Recording(whole, tmp_path / "day")
+def test_a_page_shows_nothing_that_needs_an_unknown_fill_ratio(page, recording):
     recording.grow(1.0)
     recording.tell({"fill_ratio": None, "ended": 1.0})
     with serving(served := listen(offer_of(recording.folder))):

@@ -1,6 +1,7 @@
 """The live page of a day that robots lived: what it shows is what their logs have."""
 
 import base64
+import itertools
 import json
 import shutil
 import warnings
@@ -21,7 +22,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.logs.traces import Logged
 from swarmcensus.simulation import Stepped
-from tests.support.relived import SEED, logged, told
+from tests.support.relived import SEED, logged, recorded, told
 from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
@@ -30,11 +31,9 @@ ROUNDS = 30
 
 def made(folder, brain="commons", **given):
     """A folder of a whole day without restarts, and its setting."""
-    study, setting, swarm = logged(folder, brain, robots=4, rounds=ROUNDS, looks=2, **given)
-    swarm.run()
-    swarm.close()
+    study, _ = recorded(folder, brain, robots=4, rounds=ROUNDS, looks=2, **given)
     told(folder, study)
-    return setting
+    return study.settings()[0]
 
 
 @pytest.fixture(scope="module")
@@ -50,26 +49,22 @@ def show_of(folder):
     return [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
 
 
-@pytest.mark.parametrize(
-    ("brain", "message", "precision"), [("commons", "float32", "double"), ("voter", "ratio16", "single")]
-)
-def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precision):
-    setting = made(tmp_path / "day", brain, message=message, precision=precision)
+@pytest.mark.parametrize(("brain", "formats"), [
+    ("commons", {"message": "float32"}), ("voter", {"message": "ratio16", "precision": "single"})
+])  # fmt: skip
+def test_recording_is_shown_like_its_simulation(tmp_path, brain, formats):
+    setting = made(tmp_path / "day", brain, **formats)
     [show] = show_of(tmp_path / "day")
     simulated = Show(Stepped(setting, SEED, 0), wanted(offer_of(tmp_path / "day"), {}).study.measure)
-    ticks = list(range(ROUNDS + 1))
-    mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
-    assert (mine["layers"] == theirs["layers"]).all()
-    assert (mine["flags"] == theirs["flags"]).all()
-    np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
-    for one, other in zip(mine["links"], theirs["links"], strict=True):
-        assert one.tolist() == other.tolist()
-    for tick in (0, 1, 17, ROUNDS):
-        for robot in range(4):
-            one, other = robot_of(show, tick, robot), robot_of(simulated, tick, robot)
-            assert [heard["from"] for heard in one.pop("heard")] == [heard["from"] for heard in other.pop("heard")]
-            one.pop("adds"), other.pop("adds")
-            assert one == other
+    mine, theirs = (parsed(one.frames(list(range(ROUNDS + 1)))) for one in (show, simulated))
+    for name in ("layers", "flags", "numbers"):
+        np.testing.assert_array_equal(mine[name], theirs[name])
+    assert [links.tolist() for links in mine["links"]] == [links.tolist() for links in theirs["links"]]
+    for tick, robot in itertools.product((0, 1, 17, ROUNDS), range(4)):
+        one, other = robot_of(show, tick, robot), robot_of(simulated, tick, robot)
+        assert [heard["from"] for heard in one.pop("heard")] == [heard["from"] for heard in other.pop("heard")]
+        one.pop("adds"), other.pop("adds")
+        assert one == other
 
 
 def test_absent_robots_have_no_numbers(tmp_path):
@@ -84,8 +79,7 @@ def test_absent_robots_have_no_numbers(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         [show] = show_of(tmp_path / "day")
-        ticks = list(range(show.rounds + 1))
-        shown = parsed(show.frames(ticks))
+        shown = parsed(show.frames(list(range(show.rounds + 1))))
     known = read_recording(tmp_path / "day")
     trace = Logged(known, relive_all(known), Clock(known.members))
     x = trace.estimates(0, trace.rounds + 1)
@@ -98,8 +92,7 @@ def test_absent_robots_have_no_numbers(tmp_path):
         np.testing.assert_allclose(column[name], of(x, axis=1), rtol=1e-6)
     assert not np.isnan(column["decided"]).any()
     gone = robot_of(show, 12, 1)
-    assert gone["estimate"] is None
-    assert set(gone["fields"].values()) == {None}
+    assert {gone["estimate"], *gone["fields"].values()} == {None}
     assert "looks" not in gone
     json.dumps(gone, allow_nan=False)
 
@@ -110,8 +103,7 @@ def test_fixed_controls_and_frames(recording):
     assert begun["form"]["name"] == "day"
     assert {"robots", "accuracy", "seed", "brain"} <= set(begun["form"]["fixed"])
     frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 5, "step": 1, "count": 3}))
-    assert parsed(frames)["ticks"].tolist() == [5, 6, 7]
-    assert end["frames"] == 3
+    assert (parsed(frames)["ticks"].tolist(), end["frames"]) == ([5, 6, 7], 3)
     [refused] = session.answer(json.dumps({"id": 3, "do": "begin", "ask": {"robots": "9"}}))
     assert refused["error"] == "robots = 9: this recording is as its logs have it: nothing can be chosen"
 
@@ -141,19 +133,16 @@ def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
     assert held["played"] == {"tick": "7"}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ("BOARDS", "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
-        ("STRANGE", "swarm.json: study: "),
-        ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
-        ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
-        ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
-        ("DAY --set accuracy=0.9", "accuracy = 0.9: "),
-        ("DAY --view tick=31", "tick = 31"),
-        ("DAY --view beside=voter", "beside = voter: this recording is as its logs have it: nothing can be chosen"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "says"), [
+    ("BOARDS", "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
+    ("STRANGE", "swarm.json: study: "),
+    ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
+    ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
+    ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
+    ("DAY --set accuracy=0.9", "accuracy = 0.9: "),
+    ("DAY --view tick=31", "tick = 31"),
+    ("DAY --view beside=voter", "beside = voter: this recording is as its logs have it: nothing can be chosen"),
+])  # fmt: skip
 def test_what_cannot_be_watched_is_refused_in_a_sentence(recording, here, refused, arguments, says):
     about = {k: v for k, v in json.loads((recording / "swarm.json").read_text()).items() if k != "sha256"}
     moves = about["study"].replace('topology = "ring"', 'topology = "moving"\ndensity = 1.0')
@@ -184,25 +173,20 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path):
     told(folder, study, robots=robots)
     [show] = show_of(folder)
     simulated = Show(Stepped(setting, SEED, 0), study.measure)
-    ticks = list(range(ROUNDS + 1))
-    mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
+    mine, theirs = (parsed(one.frames(list(range(ROUNDS + 1)))) for one in (show, simulated))
     assert (mine["layers"] == theirs["layers"]).all()
     np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
     for robot in range(6):
         one, other = robot_of(show, 20, robot), robot_of(simulated, 20, robot)
-        assert one["fields"] == other["fields"]
-        assert one["brain"] == other["brain"]
+        assert (one["fields"], one["brain"]) == (other["fields"], other["brain"])
 
 
 def test_own_brain_comes_from_the_folder_of_logs(here):
-    tmp_path, mine = here, here / "mine.py"
+    mine = here / "mine.py"
     mine.write_text(brains.load("commons").source)
-    study, _, swarm = logged(tmp_path / "day", "mine.py", robots=4, rounds=ROUNDS)
-    swarm.run()
-    swarm.close()
+    study, _ = recorded(here / "day", "mine.py", robots=4, rounds=ROUNDS)
     text = study.text.replace("mine.py", "brain.py")  # as swarmcensus swarm writes it
-    told(tmp_path / "day", study, brain={"file": "brain.py", "name": "mine.py"}, study=text)
+    told(here / "day", study, brain={"file": "brain.py", "name": "mine.py"}, study=text)
     mine.write_text(brains.load("minimalistic").source)
-    [mine_then] = show_of(tmp_path / "day")
-    assert mine_then.setting.brain.label == "mine.py"
-    assert mine_then.setting.brain.source == brains.load("commons").source
+    [show] = show_of(here / "day")
+    assert (show.setting.brain.label, show.setting.brain.source) == ("mine.py", brains.load("commons").source)

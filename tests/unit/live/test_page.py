@@ -16,7 +16,7 @@ from swarmcensus.live.exporting import export
 from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.worlds.bodies import Body
-from tests.support.browsing import PUT, at, come, playwright, pytestmark, until  # noqa: F401 - marks this file
+from tests.support.browsing import PUT, at, come, contrast, playwright, pytestmark, until  # noqa: F401 - marks it
 from tests.support.watching import LIARS, PAGE_STUDY
 
 COUNTED = """(() => {
@@ -241,15 +241,9 @@ def test_text_stands_out_and_nothing_sticks_out_sideways(page, served, scheme, w
         })"""
     )
 
-    def light(colour):
-        parts = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
-        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
     assert len(found) > 40
-    for text, behind, words in found:
-        low, high = sorted([light(text), light(behind)])
-        assert (high + 0.05) / (low + 0.05) >= 4.5, (text, behind, words)
+    for *colours, words in found:
+        assert contrast([map(int, re.findall(r"\d+", one)[:3]) for one in colours]) >= 4.5, (*colours, words)
 
 
 def test_it_opens_playing_with_curves(page, served):
@@ -289,10 +283,8 @@ def test_liars_lead_one_of_two_brains_astray(page, served):
     sizes = page.evaluate("state.charts.plots.map(plot => [plot.width, plot.height])")
     page.evaluate("pause(); seek(300)")
     until(page, "state.drawn", 300)
-    names = (
-        "state.scenes.map(({brain}, side) => [brain, state.charts.now(side, 'mean') - state.charts.now(side, 'truth')])"
-    )
-    (led, far), (firm, near) = page.evaluate(names)
+    off = "state.charts.now(side, 'mean') - state.charts.now(side, 'truth')"
+    (led, far), (firm, near) = page.evaluate(f"state.scenes.map(({{brain}}, side) => [brain, {off}])")
     assert (led, firm, far > 0.2, abs(near) < 0.1) == ("commons", "steadfast", True, True)
     assert page.evaluate("$('legend-high').textContent") == "0.25+ too high"  # at any moment
     assert page.evaluate("state.charts.plots.map(plot => [plot.width, plot.height])") == sizes
@@ -348,9 +340,7 @@ def test_the_old_picture_stays_dimmed_until_the_new_one_is_there(page, served, m
     monkeypatch.setattr(Session, "_begin", lambda *given: goes_on.wait(60) and begin(*given))
     run, robots = page.evaluate(f"{PUT} put('robots', '9'); [state.run, state.scenes[0].robots]")
     playwright.expect(page.locator("main[data-waits='1']")).to_be_visible(timeout=20_000)
-    until(
-        page, "[state.run, state.drawn, state.scenes[0].robots]", [run, 30, robots]
-    )  # after a change of size it is drawn again
+    until(page, "[state.run, state.drawn, state.scenes[0].robots]", [run, 30, robots])  # drawn again in its new size
     page.wait_for_function("getComputedStyle(document.querySelector('#stages figure')).opacity < 0.5")
     goes_on.set()
     until(page, "[state.preparing, state.scenes[0].robots, state.drawn]", [False, 9, 30])

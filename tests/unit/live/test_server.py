@@ -44,12 +44,10 @@ def get(served, path, host=None, method="GET"):
             return answer.status, answer.read(), {name.lower(): value for name, value in answer.getheaders()}
 
 
-def frames(page, first, last, step=1):
+def frames(page, first, last):
     """Frames one by one: of several at a time, as many are answered as are there soon."""
-    return [
-        ask(page, id=tick, do="frames", **{"from": tick, "step": 1, "count": 1})[0]
-        for tick in range(first, last + 1, step)
-    ]
+    one = {"do": "frames", "step": 1, "count": 1}
+    return [ask(page, id=tick, **one | {"from": tick})[0] for tick in range(first, last + 1)]
 
 
 def test_the_page_and_its_parts_are_there(served):
@@ -95,11 +93,10 @@ def test_nothing_else_is_served(served, path, host):
     assert "default-src 'none'" in headers["content-security-policy"]
 
 
-@pytest.mark.parametrize(
-    ("host", "statuses"),
-    [("evil.example:80", (400, 421)), ("127.0.0.1.evil.example", (400, 421)), ("a@b", (400, 421)), ("[", (400, 421)),
-     ("localhost:9000", (200,)), ("[::1]:80", (200,))],
-)  # fmt: skip
+@pytest.mark.parametrize(("host", "statuses"), [
+    ("evil.example:80", (400, 421)), ("127.0.0.1.evil.example", (400, 421)), ("a@b", (400, 421)), ("[", (400, 421)),
+    ("localhost:9000", (200,)), ("[::1]:80", (200,)),
+])  # fmt: skip
 def test_names_of_this_machine_are_answered_and_no_others(served, host, statuses):
     """A page of another site that had its name point here would come with that name."""
     assert get(served, f"/?token={served.token}", host)[0] in statuses
@@ -160,9 +157,8 @@ def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch
     monkeypatch.setattr(Session, "_frames", lambda *_: [{"share": float("nan")}])
     with talk(served) as page:
         assert "internal error: ValueError" in ask(page, id=1, do="frames")[1]["error"]
-        assert (
-            "this brain's source is not stored here" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
-        )
+        _, said = ask(page, id=2, do="begin", ask={"brain": "none"})
+        assert "this brain's source is not stored here" in said["error"]
 
 
 def test_a_page_that_goes_stops_its_computing(served):
@@ -217,21 +213,18 @@ def test_it_listens_on_loopback_alone(served):
             http.client.HTTPConnection(address, served.port, timeout=2).connect()
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ("--view besid=voter", "--view besid: did you mean 'beside'?"),
-        ("--set tick=0", "world.body.tick = 0: should be greater than 0"),
-        ("--moment #robots=-4", "robots = -4"),
-        ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
-        ("--view tick=10001", "tick = 10001"),
-        ("--view colour=red", "colour = red"),
-        ("mine.py", "there is no such file"),
-        ("--out run.txt", "--out run.txt"),
-        ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
-        ("--out folder/none/run.html --set robots=99999", "robots = 99999: at most 20,000 robots can be watched"),
-    ],
-)
+@pytest.mark.parametrize(("given", "said"), [
+    ("--view besid=voter", "--view besid: did you mean 'beside'?"),
+    ("--set tick=0", "world.body.tick = 0: should be greater than 0"),
+    ("--moment #robots=-4", "robots = -4"),
+    ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
+    ("--view tick=10001", "tick = 10001"),
+    ("--view colour=red", "colour = red"),
+    ("mine.py", "there is no such file"),
+    ("--out run.txt", "--out run.txt"),
+    ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
+    ("--out folder/none/run.html --set robots=99999", "robots = 99999: at most 20,000 robots can be watched"),
+])  # fmt: skip
 def test_mistakes_are_refused_in_a_sentence(given, said, refused):
     assert said in refused("watch", "--no-browser", *given.split())
 
@@ -294,8 +287,7 @@ def test_from_python_it_is_a_frame():
         path = shown.address.split(str(port))[1].split("#")[0]
         status, page, _ = get(types.SimpleNamespace(port=port), path)
         assert (status, b"swarmcensus" in page) == (200, True)
-        frame = shown._repr_html_()
-        assert 'src="http://127.0.0.1:' in frame
+        assert 'src="http://127.0.0.1:' in shown._repr_html_()
     finally:
         shown.stop()
     with pytest.raises(OSError, match="refused"):

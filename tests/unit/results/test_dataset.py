@@ -27,19 +27,19 @@ from swarmcensus.worlds.spreads import uniform
 def test_schema(small_results):
     assert dict(small_results.sizes) == {"setting": 32, "trial": 4, "robot": 12, "checkpoint": 2}
     assert small_results["checkpoint"].values.tolist() == [10, 60]
-    for name in ("brain", "topology", "robots", "density", "fill_ratio", "rounds", "observations_per_round"):
-        assert small_results[name].dims == ("setting",)
+    for dims, names in (
+        (("setting",), "brain topology robots density fill_ratio rounds observations_per_round accuracy"),
+        (("setting", "trial", "robot"), "convergence_round convergence_error final_estimate"),
+        (("setting", "checkpoint", "trial"), "correct"),
+    ):
+        assert {name: small_results[name].dims for name in names.split()} == dict.fromkeys(names.split(), dims)
     assert "U(0.525,0.975)" in small_results["accuracy"].values
-    for name in ("convergence_round", "convergence_error", "final_estimate"):
-        assert small_results[name].dims == ("setting", "trial", "robot")
-    assert small_results["correct"].dims == ("setting", "checkpoint", "trial")
     assert packed(small_results)["convergence_round"].dtype == np.int32
 
 
 def test_provenance(small_results, small_study):
     attributes = small_results.attrs
-    assert attributes["study"] == small_study.text
-    assert attributes["seed"] == 7
+    assert (attributes["study"], attributes["seed"]) == (small_study.text, 7)
     assert attributes["swarmcensus_version"] == sc.__version__
     assert "numba" in attributes["library_versions"]
     assert json.loads(attributes["brains"])["minimalistic"]["sha256"] == brains.load("minimalistic").sha256
@@ -83,9 +83,8 @@ def test_accuracies_are_numbers_too(small_results):
     few = readable(few.assign_coords(accuracy=("setting", np.array([*ACCURACIES], object))))
     found = np.stack([few[name].values for name in NUMERIC], axis=1)
     np.testing.assert_allclose(found, [*ACCURACIES.values()], rtol=1e-12)
-    assert few.sel(setting=few.accuracy_black > 0.8)["accuracy"].values.tolist() == [
-        "black=0.9 white=0.6", "0.9 drift=-1e-05 least=0.6",
-    ]  # fmt: skip
+    high = few.sel(setting=few.accuracy_black > 0.8)["accuracy"].values.tolist()
+    assert high == ["black=0.9 white=0.6", "0.9 drift=-1e-05 least=0.6"]
 
 
 def test_moments_of_a_distribution_without_its_own(monkeypatch):
@@ -105,8 +104,7 @@ def test_moments_of_normal_accuracies(text):
 
 @pytest.mark.parametrize("damage", ["text", "other", "missing", "folder", "zeros"])
 def test_what_is_no_results_file(damage, small_file, tmp_path):
-    path = tmp_path / "bad.nc"
-    whole = small_file.read_bytes()
+    path, whole = tmp_path / "bad.nc", small_file.read_bytes()
     if damage == "text":
         path.write_text("hello")
     elif damage == "other":
@@ -169,36 +167,30 @@ def test_trials_that_were_not_run_are_left_out(small_results):
 
 
 class TestSelecting:
-    @pytest.mark.parametrize(
-        ("expression", "count"),
-        [
-            ('topology == "ring"', 8),
-            ("robots == 12 and fill_ratio > 0.6", 8),
-            ("0.675 == accuracy", 16),
-            ('accuracy == "U(0.525,0.975)" or robots == 5', 24),
-            ('not topology in ["ring", "line"]', 16),
-            ('topology not in ("ring", "line") and not robots == 5', 8),
-            ("5 <= robots < 12", 16),
-        ],
-    )
+    @pytest.mark.parametrize(("expression", "count"), [
+        ('topology == "ring"', 8),
+        ("robots == 12 and fill_ratio > 0.6", 8),
+        ("0.675 == accuracy", 16),
+        ('accuracy == "U(0.525,0.975)" or robots == 5', 24),
+        ('not topology in ["ring", "line"]', 16),
+        ('topology not in ("ring", "line") and not robots == 5', 8),
+        ("5 <= robots < 12", 16),
+    ])  # fmt: skip
     def test_expressions(self, expression, count, small_results):
         assert where(small_results, expression).sizes["setting"] == count
 
-    @pytest.mark.parametrize(
-        ("expression", "said"),
-        [
-            ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
-            ("topology == ring", """no coordinate 'ring': a text is quoted, as "ring\""""),
-            ("robots = 5", "robots = 5"),
-            ("7 == robots", "no setting is so: robots is 5, 12$"),
-            ("robots > 12", "no setting is so$"),
-            ('robots == 5 and topology == "rng"', "mean 'ring'. topology is full, ring, line, scale-free"),
-            ("robots", "should compare"),
-            ("__import__('os').system('true') == 0", "neither a coordinate nor a value"),
-            ("robots in 5", "comes a list"),
-            ("robots is 5", "should compare with"),
-        ],
-    )
+    @pytest.mark.parametrize(("expression", "said"), [
+        ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
+        ("topology == ring", """no coordinate 'ring': a text is quoted, as "ring\""""),
+        ("robots = 5", "robots = 5"),
+        ("7 == robots", "no setting is so: robots is 5, 12$"),
+        ("robots > 12", "no setting is so$"),
+        ('robots == 5 and topology == "rng"', "mean 'ring'. topology is full, ring, line, scale-free"),
+        ("robots", "should compare"),
+        ("__import__('os').system('true') == 0", "neither a coordinate nor a value"),
+        ("robots in 5", "comes a list"),
+        ("robots is 5", "should compare with"),
+    ])  # fmt: skip
     def test_faults(self, expression, said, small_results):
         with pytest.raises(sc.InputError, match=said):
             where(small_results, expression)
@@ -221,15 +213,12 @@ def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):
 
 
 # ---- what notebooks show: a study's grid, a summary of results, a trace's curves, and a bar while a study runs
-
-
 CELLS = [
     "import swarmcensus as sc\nstudy = sc.Study(trials=2, swarm={'robots': [2, 3], 'accuracy': 0.8}, "
     "world={'topology': 'ring', 'fill_ratio': 0.55}, schedule={'rounds': 5})\nstudy",
-    "results = sc.run(study)\nresults",
-    "sc.replay(results, setting=1, trial=0)",
+    "results = sc.run(study)\nresults", "sc.replay(results, setting=1, trial=0)",
     "import xarray as xr\nxr.Dataset({'mine': 1})",
-]
+]  # fmt: skip
 
 
 @pytest.mark.long
@@ -250,15 +239,11 @@ def test_a_notebook_shows_them():
 
 def test_results_show_the_numbers_of_their_summary(small_results):
     text = shown(small_results)
-    row = sc.summary(small_results).iloc[0]
-    assert f"{row['convergence_error']:.3g}" in text
+    assert f"{sc.summary(small_results).iloc[0]['convergence_error']:.3g}" in text
     count = small_results.sizes["setting"]
     assert text.count("<tr") == 1 + min(count, 40) + text.partition("<details>")[2].count("<tr")
     assert "assumed_accuracy" not in text.partition("<details>")[0]
     assert "<summary>the dataset" not in shown(small_results.drop_vars("convergence_round"))
-
-
-# ---- the lines
 
 
 def test_lines_in_a_notebook(monkeypatch, capsys):

@@ -22,20 +22,14 @@ HOST = pytest.mark.skipif(not shutil.which("g++"), reason="needs g++")
 STUDY = """
 trials = 3
 seed = 11
-[swarm]
-robots = 30
-accuracy = {black = 0.9, white = 0.7}
+swarm = {robots = 30, accuracy = {black = 0.9, white = 0.7}}
+schedule = {ticks = 1200}
 [world]
 topology = "moving"
 density = [10, 1]
 fill_ratio = 0.4
 link_success = 0.75
-[world.body]
-speed = 0.1
-radio_range = 0.5
-tile = 0.02
-[schedule]
-ticks = 1200
+body = {speed = 0.1, radio_range = 0.5, tile = 0.02}
 """
 
 
@@ -61,12 +55,16 @@ def folder(tmp_path_factory):
     return folder
 
 
+def experiment(folder, name):
+    return ElementTree.parse(folder / f"{name}.argos").getroot()
+
+
 def test_the_library_is_found_wherever_argos_is_started(here):
     """Also in a folder of a strange name."""
     folder = here / 'robots & "co"'
     assert main(["deploy", "minimalistic", str(folder), *NEEDED]) == 0
-    root = ElementTree.parse(folder / "minimalistic.argos").getroot()
-    named = {each.get("library") for each in root.iter() if "library" in each.attrib}
+    made = experiment(folder, "minimalistic")
+    named = {each.get("library") for each in made.iter() if "library" in each.attrib}
     assert named == {str(folder / "build" / "libswarmcensus")}
 
 
@@ -78,8 +76,7 @@ def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ti
 
 def lives(path):
     """The robots of a folder of logs, and what came of running their brains again."""
-    members = read_recording(path / "day").members
-    return [(member, relive(member)) for member in members]
+    return [(member, relive(member)) for member in read_recording(path / "day").members]
 
 
 @HOST
@@ -147,9 +144,8 @@ def test_messages_that_do_not_fit_are_refused(folder, tmp_path):
 def test_two_libraries_with_one_name_are_refused(folder, tmp_path):
     text = (folder / "minimalistic.cpp").read_text()
     for own in ("first", "second"):
-        (folder / f"{own}.cpp").write_text(
-            re.sub(r"minimalistic_\w{8}\b", own, text.replace('"minimalistic"', '"twice"'))
-        )
+        named = re.sub(r"minimalistic_\w{8}\b", own, text.replace('"minimalistic"', '"twice"'))
+        (folder / f"{own}.cpp").write_text(named)
     command = json.loads((folder / "command").read_text())
     subprocess.run([*command, "all.cc", "first.cpp", "second.cpp", "-o", "twice"], cwd=folder, check=True)
     assert "two libraries have a controller" in live(folder, tmp_path, "twice", program="twice")
@@ -168,11 +164,6 @@ def test_a_result_that_cannot_be_written_is_known_before_the_run(folder, tmp_pat
     (tmp_path / "result.json").mkdir()
     assert live(folder, tmp_path, "whole") == "cannot write result.json\n"
     assert not (tmp_path / "day").exists()
-
-
-def experiment(folder, name):
-    """The experiment of a folder."""
-    return ElementTree.parse(folder / f"{name}.argos").getroot()
 
 
 def test_no_file_of_a_folder_is_replaced(tmp_path, refused):
@@ -226,16 +217,13 @@ def test_an_experiment_has_a_studys_first_setting(tmp_path):
     assert (entity.get("quantity"), entity.find("foot-bot").get("rab_range")) == ("30", "0.5")
     assert (floor.get("fill_ratio"), floor.get("tile")) == ("0.4", "0.02")
     assert float(floor.get("side")) == pytest.approx(np.sqrt(30 * np.pi * 0.25 / 10))
-    assert made.find("framework/experiment").attrib == {
-        "length": "120", "ticks_per_second": "10", "random_seed": "11"
-    }  # fmt: skip
+    experiments = made.find("framework/experiment").attrib
+    assert experiments == {"length": "120", "ticks_per_second": "10", "random_seed": "11"}
 
 
 def test_a_brain_has_its_parameters_and_formats_of_the_study(tmp_path, refused):
-    brain = 'brain = ["voter", {file = "tracking", memory = 50, z = 2}]\nprecision = "single"'
-    text = STUDY.replace("[swarm]", f"[swarm]\n{brain}").replace(
-        "[world]", '[world]\nmessage = "ratio16"\nfeedback = false'
-    )
+    brain = 'brain = ["voter", {file = "tracking", memory = 50, z = 2}], precision = "single"'
+    text = STUDY.replace("swarm = {", f"swarm = {{{brain}, ") + 'message = "ratio16"\nfeedback = false'
     (tmp_path / "study.toml").write_text(text)
     words = ["--target", "argos", "--study", str(tmp_path / "study.toml")]
 
@@ -251,23 +239,20 @@ def test_a_brain_has_its_parameters_and_formats_of_the_study(tmp_path, refused):
     assert f"study file {words[-1]}: swarm.brain = voter, tracking: should have the brain" in said
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ('topology = "moving"\ndensity = [10, 1]', 'topology = "ring"', "world.topology = 'ring'"),
-        ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "swarm.accuracy = U(0.6,0.9)"),
-        ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "world.floor = clusters(0.2)"),
-        ("speed = 0.1", "message_delay = 2", "world.body.message_delay = 2"),
-        ("speed = 0.1", "radius = 0.08", "world.body.radius = 0.08"),
-        ("speed = 0.1", "tick = 0.3", "world.body.tick = 0.3"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "says"), [
+    ('topology = "moving"\ndensity = [10, 1]', 'topology = "ring"', "world.topology = 'ring'"),
+    ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "swarm.accuracy = U(0.6,0.9)"),
+    ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "world.floor = clusters(0.2)"),
+    ("speed = 0.1", "message_delay = 2", "world.body.message_delay = 2"),
+    ("speed = 0.1", "radius = 0.08", "world.body.radius = 0.08"),
+    ("speed = 0.1", "tick = 0.3", "world.body.tick = 0.3"),
+])  # fmt: skip
 def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
     assert old in STUDY
     text = STUDY.replace(old, new)
     if "ring" in new:
-        text = text.partition("[world.body]")[0] + "[schedule]\nrounds = 10\nobservations_per_round = 1\n"
-    (tmp_path / "study.toml").write_text(text)
+        text = text.partition("body")[0].replace("ticks = 1200", "rounds = 10, observations_per_round = 1")
     file = tmp_path / "study.toml"
+    file.write_text(text)
     said = refused("deploy", "commons", "robots", "--target", "argos", "--study", str(file))
     assert f"study file {file}: {says}: for ARGoS it should be " in said

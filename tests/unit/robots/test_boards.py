@@ -71,30 +71,25 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     assert (told["command"], told["datagram_bytes"], told["measured"]["readings"]) == ("deploy", 14, 864_000)
 
 
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        ("commons --target upd", "--target upd"),
-        ("commons --target kilobot --log 9", "--log 9"),
-        ("commons --log 9999", "--log 9999: should be 10,000 bytes at least"),
-        ("commons --message double", "--message double"),
-        ("commons --accuracy 1.2", "--accuracy 1.2"),
-        ("commons --accuracy 'U(0.6, 0.8)'", "is no accuracy of a single sensor"),
-        ("commons --accuracy '{black=0.9}'", "--accuracy '{black = 0.9}': white is missing"),
-        ("commons --accuracy '{black = 0.4, white = 0.6}'", "such a sensor says the same of black and white"),
-        ("commons --parameter keep", "--parameter keep"),
-        ("commons --parameter keep=0.5", "--parameter"),
-        ("commons --target kilobot --message float32", "--message ratio16 makes 9 and --message ratio8 makes 8"),
-        ("belief-sharing --target kilobot", "no format makes it small enough"),
-        ("oracle", "is a bound"),
-        (
-            "commons --target espnow --report 10.0.0.2",
-            "--report 10.0.0.2 does not go with --target espnow: it reports to gateway or usb",
-        ),
-        ("commons --target serial --report gateway", "it reports to usb"),
-        ("commons --target kilobot --report usb", "it reports to nobody"),
-    ],
-)
+@pytest.mark.parametrize(("options", "says"), [
+    ("commons --target upd", "--target upd"),
+    ("commons --target kilobot --log 9", "--log 9"),
+    ("commons --log 9999", "--log 9999: should be 10,000 bytes at least"),
+    ("commons --message double", "--message double"),
+    ("commons --accuracy 1.2", "--accuracy 1.2"),
+    ("commons --accuracy 'U(0.6, 0.8)'", "is no accuracy of a single sensor"),
+    ("commons --accuracy '{black=0.9}'", "--accuracy '{black = 0.9}': white is missing"),
+    ("commons --accuracy '{black = 0.4, white = 0.6}'", "such a sensor says the same of black and white"),
+    ("commons --parameter keep", "--parameter keep"),
+    ("commons --parameter keep=0.5", "--parameter"),
+    ("commons --target kilobot --message float32", "--message ratio16 makes 9 and --message ratio8 makes 8"),
+    ("belief-sharing --target kilobot", "no format makes it small enough"),
+    ("oracle", "is a bound"),
+    ("commons --target espnow --report 10.0.0.2",
+     "--report 10.0.0.2 does not go with --target espnow: it reports to gateway or usb"),
+    ("commons --target serial --report gateway", "it reports to usb"),
+    ("commons --target kilobot --report usb", "it reports to nobody"),
+])  # fmt: skip
 def test_bad_input_is_one_sentence(refused, options, says):
     brain, *options = shlex.split(options)
     assert says in refused("deploy", brain, "robot", *with_usual(options, ["--target", "udp", *NEEDED]))
@@ -122,12 +117,11 @@ def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
     """Neither docstrings nor comments end where the name says so."""
     file = tmp_path / 'a"""\nimport evil\n"""\n#include evil\\.py'
     file.write_text(brains.load("minimalistic").source)
-    robot = tmp_path / "robot"
-    assert main(["deploy", str(file), str(robot), "--target", radio, "--accuracy", "{black = 0.9, white = 0.8}"]) == 0
-    texts = {path.name: path.read_text() for path in robot.iterdir() if path.name != "README.md"}
+    found = texts(deployed(tmp_path / "robot", str(file), radio))
+    del found["README.md"]
     code = re.compile(r"^(import evil|#include evil)", re.MULTILINE)
-    assert [name for name, text in texts.items() if code.search(text)] == []
-    assert any("import evil" in text for text in texts.values())
+    assert [name for name, text in found.items() if code.search(text)] == []
+    assert any("import evil" in text for text in found.values())
 
 
 def output_of(brain="commons", precision="double", format_="float32"):
@@ -139,10 +133,9 @@ def output_of(brain="commons", precision="double", format_="float32"):
 
 @needs_micropython
 @pytest.mark.long(but=["commons-ratio16"])
-@pytest.mark.parametrize(
-    ("name", "format_"),
-    [("commons", "ratio16"), (WHOLE, "ratio16"), ("sure", "ratio8"), ("bayes-cpf", "float32"), ("leaver", "ratio16")],
-)
+@pytest.mark.parametrize(("name", "format_"), [
+    ("commons", "ratio16"), (WHOLE, "ratio16"), ("sure", "ratio8"), ("bayes-cpf", "float32"), ("leaver", "ratio16")
+])  # fmt: skip
 def test_a_board_proves_itself(tmp_path, capsys, name, format_):
     folder = deployed(tmp_path / "robot", name, "udp", "--message", format_)
     (tmp_path / "node").mkdir()
@@ -169,29 +162,22 @@ def test_a_board_of_single_precision_is_compared_in_it(tmp_path, capsys):
     folder = deployed(tmp_path / "robot", "commons", "udp", "--message", "ratio16")
     single = output_of(precision="single", format_="ratio16")
     code, said = checked(capsys, folder, single)
-    assert code == 0
-    assert "24 binary digits" in said
-    assert "largest difference 0.0e+00" in said
+    assert (code, "24 binary digits" in said, "largest difference 0.0e+00" in said) == (0, True, True), said
     assert checked(capsys, folder, single.replace("bits 24", "bits 53"))[0] == 2
     assert checked(capsys, folder, single.replace("\n", "\r\n"), "utf-16") == (code, said)  # as PowerShell writes it
 
 
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        (lambda text: "", "has no line that begins with 'selftest 2'"),
-        (lambda text: text[: len(text) // 2], "the line 'selftest ends' is missing"),
-        (lambda text: text.replace("\n17 1 memory", "\n17 7 memory"), "lacks lines of the self-test"),
-        (lambda text: re.sub(r"(commons) \d+", r"\1 7", text), "the brain 'commons' with the mark 7, and the folder"),
-        (lambda text: re.sub(r"(\n17 1 memory .*) \S+\n", r"\1\n", text), "has a damaged line: '17 1 memory"),
-        (lambda text: re.sub(r"(\n17 1 memory \S\S)", r"\1x", text), "has a damaged line: '17 1 memory"),
-        (
-            lambda text: re.sub(r"(\n17 1 memory (?:\S+ ){3})\S+", rf"\1 {struct.pack('>d', 123.0).hex()}", text),
-            "\nround 17, robot 1, v_rest: 123 on the board, ",
-        ),
-        (lambda text: re.sub(r"(\n17 1 \S+) \S+\n", r"\1 ffff\n", text), "FAIL: 1 messages differ, although all"),
-    ],
-)
+@pytest.mark.parametrize(("change", "says"), [
+    (lambda text: "", "has no line that begins with 'selftest 2'"),
+    (lambda text: text[: len(text) // 2], "the line 'selftest ends' is missing"),
+    (lambda text: text.replace("\n17 1 memory", "\n17 7 memory"), "lacks lines of the self-test"),
+    (lambda text: re.sub(r"(commons) \d+", r"\1 7", text), "the brain 'commons' with the mark 7, and the folder"),
+    (lambda text: re.sub(r"(\n17 1 memory .*) \S+\n", r"\1\n", text), "has a damaged line: '17 1 memory"),
+    (lambda text: re.sub(r"(\n17 1 memory \S\S)", r"\1x", text), "has a damaged line: '17 1 memory"),
+    (lambda text: re.sub(r"(\n17 1 memory (?:\S+ ){3})\S+", rf"\1 {struct.pack('>d', 123.0).hex()}", text),
+     "\nround 17, robot 1, v_rest: 123 on the board, "),
+    (lambda text: re.sub(r"(\n17 1 \S+) \S+\n", r"\1 ffff\n", text), "FAIL: 1 messages differ, although all"),
+])  # fmt: skip
 def test_a_wrong_or_damaged_output_is_found_out(tmp_path, capsys, change, says):
     code, said = checked(capsys, deployed(tmp_path / "robot"), change(output_of()))
     assert code == 2

@@ -75,8 +75,8 @@ def test_robots_logs_of_a_run_on_each_strip(here, answer):
 
 
 def test_robots_that_differ_and_readings_that_depend_are_said(here, answer):
-    (here / "c.csv").write_text(counts(*[(k, "black", 1000, 700 + 60 * k, 100) for k in range(5)],
-                                       *[(k, "white", 1000, 100, 60) for k in range(5)]))  # fmt: skip
+    rows = [row for k in range(5) for row in ((k, "black", 1000, 700 + 60 * k, 100), (k, "white", 1000, 100, 60))]
+    (here / "c.csv").write_text(counts(*rows))
     found = answer("c.csv", "--width", "0.05", "--out", "robots.toml")
     robots, alone, more, added = found["sentences"]
     assert robots.startswith("robots differ (p < 1e-06, level 1 %)")
@@ -120,44 +120,36 @@ def test_sensors_that_say_little_or_the_opposite_are_named(here, answer):
     assert "is unknown: counts lack `changes`" in found["sentences"][1]
 
 
-@pytest.mark.parametrize(
-    ("table", "says"),
-    [
-        (HEAD, "no readings"),
-        ("robot,strip\n1,black\n", "should have columns robot,strip,readings,black,changes"),
-        (counts((1, "grey", 9, 5, 2)), "column 'strip': 'grey': should be black or white"),
-        (counts((1, "black", 9, 10, 2)), "10 black, 2 changes: more black than readings"),
-        (counts((1, "black", 9, 8, 5)), "line 2: 9 readings, 8 black, 5 changes: that cannot be"),
-        (counts((1, "black", 9, 8, 2)), "c.csv: robot 1 has no readings on the white strip"),
-        (counts((1, "black", 9, 8, 0)), "line 2: 9 readings, 8 black, 0 changes: that cannot be"),
-        (counts((70000, "black", 9, 8, 2)), "'70000': should be a robot's number, from 0 to 65535"),
-        (counts((1, "0.5", 9, 8, 2)), "column 'strip': '0.5': should be black or white"),
-        ("robot,strip,reading\n1,black,0.5\n", "line 2: column 'reading': '0.5': should be 0 (white)"),
-        ("robot,strip,reading,black\n1,black,1,1\n", "has counts and single readings"),
-    ],
-)
+@pytest.mark.parametrize(("table", "says"), [
+    (HEAD, "no readings"),
+    ("robot,strip\n1,black\n", "should have columns robot,strip,readings,black,changes"),
+    (counts((1, "grey", 9, 5, 2)), "column 'strip': 'grey': should be black or white"),
+    (counts((1, "black", 9, 10, 2)), "10 black, 2 changes: more black than readings"),
+    (counts((1, "black", 9, 8, 5)), "line 2: 9 readings, 8 black, 5 changes: that cannot be"),
+    (counts((1, "black", 9, 8, 2)), "c.csv: robot 1 has no readings on the white strip"),
+    (counts((1, "black", 9, 8, 0)), "line 2: 9 readings, 8 black, 0 changes: that cannot be"),
+    (counts((70000, "black", 9, 8, 2)), "'70000': should be a robot's number, from 0 to 65535"),
+    (counts((1, "0.5", 9, 8, 2)), "column 'strip': '0.5': should be black or white"),
+    ("robot,strip,reading\n1,black,0.5\n", "line 2: column 'reading': '0.5': should be 0 (white)"),
+    ("robot,strip,reading,black\n1,black,1,1\n", "has counts and single readings"),
+])  # fmt: skip
 def test_wrong_tables_are_refused_in_a_sentence(here, refused, table, says):
     (here / "c.csv").write_text(table)
     assert says in refused("calibrate", "c.csv")
 
 
 # ---- robots.toml
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("number = 3", "number = 7", "number = 7: 2 robots have it"),
-        ("number = 3", "number = 70000", "should be a robot's number, from 0 to 65535"),
-        ("b = 0.7", "b = 1.7", "robots[1].b = 1.7"),
-        ("b = 0.7, w = 0.75, ", "", "robots[1].b is missing (and 1 more)"),
-        ("b = 0.7, w = 0.75", "b = 0.7, w = 0.3", "robot 3, b = 0.7 and w = 0.3: black and white read the same"),
-        ('"pi@10.0.0.3"', '""', "robots[1].address = "),
-        ('"/dev/ttyUSB0"', '""', "robots[0].port = "),
-        ('address = "pi@10.0.0.3"', 'port = "/dev/ttyUSB0"', "port = /dev/ttyUSB0: 2 robots have it"),
-        ("w = 0.75", "W = 0.75", "unknown key robots[1].W"),
-    ],
-)
+@pytest.mark.parametrize(("old", "new", "says"), [
+    ("number = 3", "number = 7", "number = 7: 2 robots have it"),
+    ("number = 3", "number = 70000", "should be a robot's number, from 0 to 65535"),
+    ("b = 0.7", "b = 1.7", "robots[1].b = 1.7"),
+    ("b = 0.7, w = 0.75, ", "", "robots[1].b is missing (and 1 more)"),
+    ("b = 0.7, w = 0.75", "b = 0.7, w = 0.3", "robot 3, b = 0.7 and w = 0.3: black and white read the same"),
+    ('"pi@10.0.0.3"', '""', "robots[1].address = "),
+    ('"/dev/ttyUSB0"', '""', "robots[0].port = "),
+    ('address = "pi@10.0.0.3"', 'port = "/dev/ttyUSB0"', "port = /dev/ttyUSB0: 2 robots have it"),
+    ("w = 0.75", "W = 0.75", "unknown key robots[1].W"),
+])  # fmt: skip
 def test_wrong_files_of_robots_are_refused(robots, refused, old, new, says):
     robots.write_text(ROBOTS.replace(old, new))
     said = refused("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml")
@@ -165,12 +157,11 @@ def test_wrong_files_of_robots_are_refused(robots, refused, old, new, says):
     assert "robots.toml" in said
 
 
-@pytest.mark.parametrize(
-    ("target", "file"), [("udp", "settings.py"), ("kilobot", "settings.h"), ("pogobot", "settings.h")]
-)
-def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target, file):
+@pytest.mark.parametrize("target", ["udp", "kilobot", "pogobot"])
+def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target):
     words = ["deploy", "commons", "fleet", "--target", target, "--message", "ratio16", "--robots", "robots.toml"]
     assert main(words) == 0
+    file = "settings.py" if target == "udp" else "settings.h"
     own = {number: (here / "fleet" / f"robot-{number}" / file).read_text() for number in (7, 3)}
     for number, b in ((7, "0.9"), (3, "0.7")):
         assert re.search(rf"\bB (= )?{b}", own[number])
@@ -218,9 +209,7 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
         ([], ["robot 7", "mpremote connect /dev/ttyUSB0 cp", "robot 3", "scp"]),
         (["3"], ["robot 3", "scp"]),
     ):
-        done = subprocess.run(["sh", "fleet/flash.sh", *wanted], env={"PATH": f"{here}:/usr/bin:/bin"},
-                              capture_output=True, text=True, check=True)  # fmt: skip
-        lines = done.stdout.splitlines()
+        lines = flash(["sh", "fleet/flash.sh", *wanted], check=True).stdout.splitlines()
         assert [line[: len(begin)] for line, begin in zip(lines, begins, strict=True)] == begins
         assert "brain.py" in lines[-1]
         assert lines[-1].endswith("robot-3/settings.py pi@10.0.0.3:")
@@ -234,13 +223,8 @@ def test_firmware_comes_first_where_its_file_is_named(robots, here):
     names = {"PATH": f"{here}:/usr/bin:/bin", "FIRMWARE": "esp32.bin"}
     flash = partial(subprocess.run, ["sh", "fleet/flash.sh"], capture_output=True, text=True, check=False)
     lines = flash(env=names | {"OFFSET": "0x1000"}).stdout.splitlines()
-    port = "--port /dev/ttyUSB0"
-    assert lines[1:5] == [
-        f"esptool {port} erase-flash",
-        f"esptool {port} write-flash 0x1000 esp32.bin",
-        "bytes",
-        "sleep 5",
-    ]
+    to = "esptool --port /dev/ttyUSB0"
+    assert lines[1:5] == [f"{to} erase-flash", f"{to} write-flash 0x1000 esp32.bin", "bytes", "sleep 5"]
     assert [line.split()[0] for line in lines[5:]] == ["mpremote", "robot", "scp"]
     for wrong, says in (({}, "such as 0x1000 on an ESP32"), ({"OFFSET": "0", "FIRMWARE": "no.bin"}, "no such file")):
         done = flash(env=names | wrong)
@@ -255,8 +239,8 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
     (here / "robots.toml").write_text(f"robots = [{table}]")
     accepted("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml", "--log", "20000")
     programs(here, mpremote='[ "$4" = :robot.log ] && cp ../"$2" "$5"', scp='cp ../day/robot-1.log "$2"')
-    fetch = partial(subprocess.run, ["sh", "fleet/fetch.sh"], env={"PATH": f"{here}:/usr/bin:/bin"},
-                    capture_output=True, text=True)  # fmt: skip
+    path = {"PATH": f"{here}:/usr/bin:/bin"}
+    fetch = partial(subprocess.run, ["sh", "fleet/fetch.sh"], env=path, capture_output=True, text=True)
     for _ in range(2):  # the same log again is no other one
         assert fetch(check=True).stdout.splitlines()[1::2] == [
             "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.part", "scp pi:robot.log logs/robot-1.part"
@@ -269,19 +253,16 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
     assert re.search(r"\nthe earlier log is kept as logs/robot-1\.log\.\d", done.stdout)
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ("--target udp --robots robots.toml --accuracy 0.9", "--accuracy 0.9 does not go with --robots robots.toml"),
-        ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
-        ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
-        ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
-        ("--target udp --accuracy 0.9 --report bad?host:1", "--report 'bad?host:1': should be an address, such as"),
-        ("--target argos --calibrate", "--calibrate does not go with --target argos"),
-        ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
-        ("--target argos", "--accuracy is missing"),
-    ],
-)
+@pytest.mark.parametrize(("words", "says"), [
+    ("--target udp --robots robots.toml --accuracy 0.9", "--accuracy 0.9 does not go with --robots robots.toml"),
+    ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
+    ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
+    ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
+    ("--target udp --accuracy 0.9 --report bad?host:1", "--report 'bad?host:1': should be an address, such as"),
+    ("--target argos --calibrate", "--calibrate does not go with --target argos"),
+    ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
+    ("--target argos", "--accuracy is missing"),
+])  # fmt: skip
 def test_what_does_not_go_together_is_refused(robots, refused, words, says):
     robots.with_name("s.toml").write_text(study_of(ticks=9).text)
     assert says in refused("deploy", "commons", "fleet", *words.split())
@@ -291,16 +272,9 @@ def test_a_study_has_measured_sensors(robots, here):
     """Robot by robot, again from the first where there are more; results need the file no longer."""
     (here / "study.toml").write_text("""
         trials = 200
-        [swarm]
-        robots = 5
-        accuracy = "robots.toml"
-        assumed_accuracy = ["robots.toml", {black = 0.9, white = 0.8}]
-        [world]
-        topology = "full"
-        fill_ratio = 0.5
-        [schedule]
-        rounds = 2
-        observations_per_round = 1
+        swarm = {robots = 5, accuracy = "robots.toml", assumed_accuracy = ["robots.toml", {black = 0.9, white = 0.8}]}
+        world = {topology = "full", fill_ratio = 0.5}
+        schedule = {rounds = 2, observations_per_round = 1}
     """)
     with pytest.raises(sc.InputError, match=r"study file .*: swarm.accuracy = 'no.toml': .*no such file"):
         sc.Study.load(here / "study.toml", {"accuracy": "no.toml"})
@@ -315,20 +289,17 @@ def test_a_study_has_measured_sensors(robots, here):
     assert b[:, 0].std() == pytest.approx(0.01, rel=0.25)
     assert (b[:, 1::2] == 0.7).all()
     assert (w[:, 1::2] == 0.75).all()
-    assert sc.verify(results).code == 0
-    assert second.assumed_accuracy.black.numbers == (0.9,)
+    assert (sc.verify(results).code, second.assumed_accuracy.black.numbers) == (0, (0.9,))
 
 
 def test_a_plan_has_what_the_uncertainty_adds(robots, here):
     """Of two robots the closed form, over 200 trials to a sixth; nothing where robots know their sensors."""
     swarm = {"brain": "commons", "robots": 2, "accuracy": "robots.toml"}
-    world = {"topology": "full", "fill_ratio": 0.5}
+    tables = {"name": "m", "world": {"topology": "full", "fill_ratio": 0.5}, "wanted": {"error": 0.1}}
     found = []
     for assumed in ({}, {"assumed_accuracy": "robots.toml"}):
-        tables = {"name": "m", "swarm": swarm | assumed, "world": world, "wanted": {"error": 0.1}}
-        found += (
-            sc.plan(tables | {"schedule": {"observations_per_round": 1}}, progress=False).frame["calibration"].tolist()
-        )
+        asked = tables | {"swarm": swarm | assumed, "schedule": {"observations_per_round": 1}}
+        found += sc.plan(asked, progress=False).frame["calibration"].tolist()
     b, w, errors = np.array([0.9, 0.7]), np.array([0.8, 0.75]), np.array([[0.01, 0.0], [0.02, 0.0]])
     weights = sc.theory.information(0.5, b, w)
     expected = weights[0] * sc.theory.calibration_error(0.5, b, w, *errors)[0] / weights.sum()
@@ -336,7 +307,6 @@ def test_a_plan_has_what_the_uncertainty_adds(robots, here):
 
 
 # ---- the program that counts
-
 COUNTING = """
 import sys
 if "calibrate" not in sys.modules:  # which imports this file
@@ -386,20 +356,17 @@ STRICT = "gcc -std=gnu11 -Wall -Wextra -Werror -I. -DROBOTS=1"
 
 def counted_in_c(folder, target, strips):
     """What the program that counts prints, of readings on both strips."""
+    run = partial(subprocess.run, cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
     if target == "c":
-        subprocess.run(["make", "calibrate"], cwd=folder, check=True)
+        run(["make", "calibrate"])
         runs = [(["./calibrate", "1000", strip], readings) for strip, readings in strips.items()]
     else:
         (folder / "sensor.h").write_text(READ)
         (folder / "debug.h").write_text(KILOLIB)
         given = f"-DTURNS={2000 + BETWEEN[target] + 4} {LIBRARIES[target]} calibrate.c -o counting"
-        subprocess.run([*STRICT.split(), *given.split()], cwd=folder, check=True)
+        run([*STRICT.split(), *given.split()])
         runs = [(["./counting"], [*strips["black"], *[0] * BETWEEN[target], *strips["white"]])]
-    return [
-        subprocess.run(command, cwd=folder, input=" ".join(map(str, readings)), stdout=subprocess.PIPE, text=True,
-                       check=True).stdout
-        for command, readings in runs
-    ]  # fmt: skip
+    return [run(command, input=" ".join(map(str, readings))).stdout for command, readings in runs]
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")

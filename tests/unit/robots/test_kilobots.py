@@ -76,8 +76,7 @@ def deployed(folder, brain="commons", *more):
 def test_program_compiles_without_a_warning(tmp_path, name, capsys):
     """Also that of a brain that calls its own things what the headers call other things."""
     folder = deployed(tmp_path / "robot", name)
-    printed = capsys.readouterr().out
-    assert int(re.search(r"flash +([\d,]+)", printed)[1].replace(",", "")) < 20_000
+    assert int(re.search(r"flash +([\d,]+)", capsys.readouterr().out)[1].replace(",", "")) < 20_000
     assert {path.name for path in folder.iterdir()} == FILES
     command = ["make", "main.o", f"KILOLIB={BOARDS}"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -111,17 +110,15 @@ def built(folder, options="", number=2):
     (folder / "avr" / "eeprom.h").write_text(BOOTS)
     (folder / "host.c").write_text(HARNESS)
     flags = f"-std=gnu11 -O1 -Wall -Wextra -Werror -ffp-contract=off -DNUMBER={number} {options}"
-    subprocess.run(
-        f"gcc {flags} -I. -I{BOARDS} main.c host.c {BOARDS}/no_kilolib.c -lm -o robot".split(), cwd=folder, check=True
-    )
+    command = f"gcc {flags} -I. -I{BOARDS} main.c host.c {BOARDS}/no_kilolib.c -lm -o robot"
+    subprocess.run(command.split(), cwd=folder, check=True)
     return folder
 
 
 @HOST
-@pytest.mark.parametrize(
-    ("number", "given", "speaks_as"),
-    [(0xFFFF, None, None), (0, None, None), (0xFFFE, None, 0xFFFE), (0xFFFF, 7, 7), (3, 7, 7)],
-)
+@pytest.mark.parametrize(("number", "given", "speaks_as"), [
+    (0xFFFF, None, None), (0, None, None), (0xFFFE, None, 0xFFFE), (0xFFFF, 7, 7), (3, 7, 7)
+])  # fmt: skip
 def test_a_kilobot_without_a_number_blinks_and_says_nothing(tmp_path, number, given, speaks_as):
     """New ones all have 0xFFFF; robots of one number would not hear each other."""
     folder = built(deployed(tmp_path / "robot", "commons", *(["--robot", str(given)] if given else [])), number=number)
@@ -136,10 +133,8 @@ def test_a_kilobot_without_a_number_blinks_and_says_nothing(tmp_path, number, gi
 @pytest.mark.parametrize("boot", [0, 5], ids=["simulator", "kilobot"])
 @pytest.mark.parametrize("name", ["commons", pytest.param(WHOLE, id="whole")])
 def test_kilobot_says_what_a_robot_of_single_precision_says(tmp_path, name, boot):
-    """Its program, compiled for this machine, and the runtime send the same bytes.
-
-    Some messages come twice, and some of its own are never sent. A simulator has no memory of boots.
-    """
+    """Its program, compiled for this machine, and the runtime send the same bytes. Some messages come twice, and some
+    of its own are never sent. A simulator has no memory of boots."""
     folder = built(deployed(tmp_path / "robot", name), "-D__AVR__" * (boot > 0))
     brain = brains.load(name).with_numbers(Numbers("single", "ratio16"))
     mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)

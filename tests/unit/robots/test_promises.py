@@ -15,6 +15,7 @@ from swarmcensus.robots.targets import PLUGINS, find
 from tests.support.board_modules import MODULES
 from tests.support.pages import page_named
 from tests.support.places import DATA, ROOT
+from tests.support.second import changed
 
 WHOLE = str(DATA / "whole.py")
 ACCURACY = ["--accuracy", "{black = 0.9, white = 0.85}"]
@@ -63,9 +64,8 @@ TABLE = {  # by target: where each promise is tested, and its test; or why there
         (PC, f"{ROS}test_nodes_are_started"),
     ],
     "swarm": [
-        (PC, f"{SWARMS}test_shares_are_uniform"), (PC, f"{LOGS}test_wrong_input_is"),
-        (PC, f"{SWARMS}test_what_no_datagram"), (PC, OURS[3]), (PC, f"{RELIVED}test_logs_are_lived_again"), FROM_LOGS,
-        (PC, f"{SWARMS}test_a_swarm_bears"),
+        (PC, f"{SWARMS}test_shares_are_uniform"), (PC, f"{LOGS}test_wrong_input_is"), (PC, f"{SWARMS}test_what_no"),
+        (PC, OURS[3]), (PC, f"{RELIVED}test_logs_are_lived_again"), FROM_LOGS, (PC, f"{SWARMS}test_a_swarm_bears"),
     ],
 }  # fmt: skip
 
@@ -94,7 +94,6 @@ def test_the_page_shows_the_table():
 
 
 # ---- random numbers: each robot and each boot has its own
-
 ON_PYTHON = """
 import os, random
 del os.urandom
@@ -106,9 +105,12 @@ for number in (1, 1, 2, 2):
 """
 
 
-def deployed(folder, target, *more, brain=WHOLE):
-    needs = [] if "accuracy" in find(target).refuses else ACCURACY
-    assert main(["deploy", brain, str(folder), "--target", target, *needs, *more]) == 0
+def needs_of(target):
+    return [] if "accuracy" in find(target).refuses else ACCURACY
+
+
+def deployed(folder, target, *more):
+    assert main(["deploy", WHOLE, str(folder), "--target", target, *needs_of(target), *more]) == 0
     return folder
 
 
@@ -125,26 +127,16 @@ def test_robots_and_boots_draw_numbers_of_their_own(target, tmp_path):
 
 
 # ---- robots' numbers
-
-RANGE, OWN = "should be from 0 to 65535", "has a number of its own"
 BY_PROGRAM = "the program around brain.h decides that"
-NOT_ITS = {
-    "kilobot": "should be from 1 to 65534", "pogobot": OWN, "argos": "gets a number of its own",
-    "c": BY_PROGRAM,
-}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("target", "number", "says"),
-    [
-        *((name, 65536, RANGE) for name in PYTHON),
-        *(("kilobot", number, NOT_ITS["kilobot"]) for number in (0, 65535)),
-        *((name, 3, NOT_ITS[name]) for name in ("pogobot", "argos", "c")),
-    ],
-)
+@pytest.mark.parametrize(("target", "number", "says"), [
+    *((name, 65536, "should be from 0 to 65535") for name in PYTHON),
+    *(("kilobot", number, "should be from 1 to 65534") for number in (0, 65535)),
+    ("pogobot", 3, "has a number of its own"), ("argos", 3, "gets a number of its own"), ("c", 3, BY_PROGRAM),
+])  # fmt: skip
 def test_numbers_that_no_robot_has_are_refused(refused, target, number, says):
-    needs = [] if "accuracy" in find(target).refuses else ACCURACY
-    said = refused("deploy", "commons", "robot", "--target", target, "--robot", number, *needs)
+    said = refused("deploy", "commons", "robot", "--target", target, "--robot", number, *needs_of(target))
     assert f"--robot {number}" in said
     assert says in said
 
@@ -157,31 +149,12 @@ def test_numbers_are_missing_on_a_computer(tmp_path):
 
 
 # ---- message sizes
-
-LARGE = """
-MEMORY = {"v": (0.0,) * SIZE}
-MESSAGE = ("v",)
-
-
-def observe(me, blacks, looks):
-    me.v[0] += blacks
-
-
-def broadcast(me):
-    return (me.v,)
-
-
-def receive(me, message):
-    me.v[0] += message[0][0]
-
-
-def fuse(me):
-    me.v[0] *= 0.5
-
-
-def estimate(me):
-    return 0.5
-"""
+LARGE = changed(
+    ('"t": 0.0', '"t": 0.0, "v": (0.0,) * SIZE'),
+    ('("x",)', '("v",)'),
+    ("(estimate(me),)", "(me.v,)"),
+    ("message):\n    pass", "message):\n    me.v[0] += message[0][0]"),
+)
 
 
 @pytest.mark.long(but=["pogobot"])
@@ -199,38 +172,31 @@ def test_messages_that_a_radio_does_not_hold_are_refused(refused, here, target):
 
 
 # ---- ticks
-
 LIMITS = "should be ticks a second, from 0.001 to"
 
 
-@pytest.mark.parametrize(
-    ("target", "hz", "says"),
-    [
-        *((name, hz, LIMITS) for name in (*PYTHON, "kilobot", "pogobot") for hz in (0, 1001)),
-        *(("swarm", hz, LIMITS) for hz in (0, 501)),
-        ("kilobot", 11, "a Kilobot has at most 10 ticks a second"),
-        *(("pogobot", hz, "a whole number of ticks a second, from 1 to 255") for hz in (0.5, 2.5, 256)),
-        ("argos", 5, "the tick of the study decides that"),
-        ("c", 5, BY_PROGRAM),
-    ],
-)
+@pytest.mark.parametrize(("target", "hz", "says"), [
+    *((name, hz, LIMITS) for name in (*PYTHON, "kilobot", "pogobot") for hz in (0, 1001)),
+    *(("swarm", hz, LIMITS) for hz in (0, 501)),
+    ("kilobot", 11, "a Kilobot has at most 10 ticks a second"),
+    *(("pogobot", hz, "a whole number of ticks a second, from 1 to 255") for hz in (0.5, 2.5, 256)),
+    ("argos", 5, "the tick of the study decides that"),
+    ("c", 5, BY_PROGRAM),
+])  # fmt: skip
 def test_ticks_that_a_robot_cannot_make_are_refused(refused, target, hz, says):
-    start = ["swarm", "commons"] if target == "swarm" else ["deploy", "commons", "robot", "--target", target]
-    said = refused(*start, "--hz", hz, *([] if target in ("swarm", "c") else ACCURACY))
+    start = "swarm commons" if target == "swarm" else f"deploy commons robot --target {target}"
+    said = refused(*start.split(), "--hz", hz, *([] if target in ("swarm", "c") else ACCURACY))
     assert f"--hz {hz}" in said
     assert says in said
 
 
-@pytest.mark.parametrize(
-    ("target", "given", "line"),
-    [
-        *((name, f"--robot {number}", f"NUMBER = {number} ") for name in PYTHON for number in (0, 65535)),
-        *((name, "--hz 4", "PERIOD = 250 ") for name in PYTHON),
-        ("kilobot", "--hz 10", "#define PERIOD 3  // of a tick; a second has 30.5"),
-        ("kilobot", "--hz 0.5", "#define PERIOD 61  // of a tick; a second has 30.5"),
-        ("pogobot", "--hz 20", "#define HZ 20  //"),
-    ],
-)
+@pytest.mark.parametrize(("target", "given", "line"), [
+    *((name, f"--robot {number}", f"NUMBER = {number} ") for name in PYTHON for number in (0, 65535)),
+    *((name, "--hz 4", "PERIOD = 250 ") for name in PYTHON),
+    ("kilobot", "--hz 10", "#define PERIOD 3  // of a tick; a second has 30.5"),
+    ("kilobot", "--hz 0.5", "#define PERIOD 61  // of a tick; a second has 30.5"),
+    ("pogobot", "--hz 20", "#define HZ 20  //"),
+])  # fmt: skip
 def test_ticks_and_numbers_are_those_that_were_asked_for(tmp_path, target, given, line):
     folder = deployed(tmp_path / "robot", target, *given.split())
     assert line in (folder / ("settings.py" if target in PYTHON else "settings.h")).read_text()

@@ -32,34 +32,34 @@ print(robot.status())
 """
 
 
-def on_a_failing_board(folder, radio, script, monkeypatch, *more):
-    """The namespace of a script that runs a deployed robot, whose modules of a board fail as they are made to.
+@pytest.fixture
+def on_a_failing_board(here, monkeypatch):
+    """The namespace of a script that runs a deployed robot, whose modules of a board fail as they are made to. CPython
+    runs it, because it has sockets too."""
 
-    CPython runs it, because it has sockets too.
-    """
-    board = folder / "board"
-    assert (
-        main(["deploy", "commons", str(board), "--target", radio, "--accuracy", "{black = 0.9, white = 0.85}", *more])
-        == 0
-    )
-    (board / "main.py").rename(board / "robot.py")
-    files = MODULES | {path.name: path.read_text() for path in board.glob("*.py")}
-    for name, text in files.items():
-        (board / name).write_text(text)
-        monkeypatch.delitem(sys.modules, name.removesuffix(".py"), raising=False)
-    monkeypatch.chdir(board)
-    monkeypatch.syspath_prepend(board)
-    space = {}
-    exec(FAILING.replace("SCRIPT", script), space)
-    for name in files:
-        sys.modules.pop(name.removesuffix(".py"), None)
-    return space
+    def run(radio, script, *more):
+        board, needs = here / "board", ["--target", radio, "--accuracy", "{black = 0.9, white = 0.85}"]
+        assert main(["deploy", "commons", str(board), *needs, *more]) == 0
+        (board / "main.py").rename(board / "robot.py")
+        files = MODULES | {path.name: path.read_text() for path in board.glob("*.py")}
+        for name, text in files.items():
+            (board / name).write_text(text)
+            monkeypatch.delitem(sys.modules, name.removesuffix(".py"), raising=False)
+        monkeypatch.chdir(board)
+        monkeypatch.syspath_prepend(board)
+        space = {}
+        exec(FAILING.replace("SCRIPT", script), space)
+        for name in files:
+            sys.modules.pop(name.removesuffix(".py"), None)
+        return space
+
+    return run
 
 
 @pytest.mark.parametrize("method", ["WLAN", "active", "channel", "ESPNow", "add_peer"])
-def test_espnow_is_switched_on_again_until_that_works(tmp_path, monkeypatch, method):
+def test_espnow_is_switched_on_again_until_that_works(on_a_failing_board, method):
     """The constructor raises: the robot lives on without a radio, and tries in each tick."""
-    script = f"""
+    space = on_a_failing_board("espnow", f"""
 now_class = espnow.ESPNow
 if hasattr(now_class, "{method}") or "{method}" == "ESPNow":
     def fail(*_):
@@ -73,27 +73,25 @@ network.fails.clear()
 if "whole" in globals():
     now_class.__init__, now_class.add_peer = whole
 live(5)
-"""
-    space = on_a_failing_board(tmp_path, "espnow", script, monkeypatch)
+""")  # fmt: skip
     robot = space["robot"]
     assert (robot.ticks, space["faults"], robot.radio_faults) == (10, 10, 10)  # a send and a receive each tick
     assert "OSError" in robot.trouble
     assert robot.radio.is_open
 
 
-def test_an_esp8266_takes_its_channel_as_an_access_point(tmp_path, monkeypatch):
-    script = """
+def test_an_esp8266_takes_its_channel_as_an_access_point(on_a_failing_board):
+    space = on_a_failing_board("espnow", """
 network.fails |= {("channel", 0), ("pm", 0), ("disconnect", 0)}
 live(1)
 calls = since_then("active", "channel")
-"""
-    space = on_a_failing_board(tmp_path, "espnow", script, monkeypatch)
+""")  # fmt: skip
     assert space["calls"][-4:] == [("channel", 0, 1), ("active", 1, True), ("channel", 1, 1), ("active", 1, False)]
     assert space["robot"].radio_faults == 0
 
 
-def test_espnow_goes_on_after_full_buffers_and_after_it_was_switched_off(tmp_path, monkeypatch):
-    script = """
+def test_espnow_goes_on_after_full_buffers_and_after_it_was_switched_off(on_a_failing_board):
+    space = on_a_failing_board("espnow", """
 live(1)
 other = espnow.ESPNow()
 espnow.ESPNow.worn = True
@@ -103,15 +101,14 @@ robot.radio.now.active(False)
 live(1)
 off = robot.radio_faults
 live(5)
-"""
-    space = on_a_failing_board(tmp_path, "espnow", script, monkeypatch)
+""")  # fmt: skip
     assert (space["worn"], space["off"], space["robot"].radio_faults) == (3, 4, 4)
     assert len(space["other"].box) == 1 + 5 - 1
 
 
-def test_udp_joins_a_lost_network_again(tmp_path, monkeypatch):
+def test_udp_joins_a_lost_network_again(on_a_failing_board):
     """From a network of before, and also where connect raises; no tick waits, and none asks twice in 20 s."""
-    script = """
+    space = on_a_failing_board("udp", """
 network.fails.add(("connect", 0))
 live(5)
 first = since_then("disconnect", "connect")
@@ -129,21 +126,18 @@ live(1)
 late = since_then("connect")
 network.WLAN.connected = True
 live(5)
-"""
-    space = on_a_failing_board(tmp_path, "udp", script, monkeypatch)
-    assert space["first"] == [("disconnect", 0), ("connect", 0)]
-    assert space["second"] == [("connect", 0)]
+""")  # fmt: skip
+    assert (space["first"], space["second"]) == ([("disconnect", 0), ("connect", 0)], [("connect", 0)])
     assert space["joined"] == [("pm", 0, 0)]
     assert space["lost"] == space["late"] == [("connect", 0)]
     robot = space["robot"]
-    assert robot.ticks == 224
-    assert robot.radio_faults == space["faults"] + 2 * 4
+    assert (robot.ticks, robot.radio_faults) == (224, space["faults"] + 2 * 4)
     robot.radio.socket.close()
 
 
 @pytest.mark.parametrize("error", ["EAGAIN", "ENOMEM", "ETIMEDOUT", "ENETUNREACH"])
-def test_udp_keeps_its_socket_where_there_is_no_room(tmp_path, monkeypatch, error):
-    script = f"""
+def test_udp_keeps_its_socket_where_there_is_no_room(on_a_failing_board, error):
+    space = on_a_failing_board("udp", f"""
 import errno
 class Full:
     def recvfrom(self, size):
@@ -157,14 +151,13 @@ robot.radio.socket = full = Full()
 live(1)
 kept = robot.radio.socket is full
 live(1)
-"""
-    space = on_a_failing_board(tmp_path, "udp", script, monkeypatch)
+""")  # fmt: skip
     assert space["kept"] == (error != "ENETUNREACH")
     space["robot"].radio.socket.close()
 
 
-def test_udp_hears_where_it_cannot_send(tmp_path, monkeypatch):
-    script = """
+def test_udp_hears_where_it_cannot_send(on_a_failing_board):
+    space = on_a_failing_board("udp", """
 import errno
 messages = program.Messages(program.settings.LENGTHS, program.settings.PLAN, program.settings.MARK, True)
 waiting = [messages.pack((1.0, 2.0), 0, 7, tick) for tick in range(1, 6)]
@@ -182,13 +175,12 @@ network.WLAN.connected = True
 robot.radio.socket, robot.radio.address, faults = Mute(), None, robot.radio_faults
 waiting.reverse()
 live(3)
-"""
-    space = on_a_failing_board(tmp_path, "udp", script, monkeypatch)
+""")  # fmt: skip
     assert (space["robot"].heard, space["robot"].radio_faults - space["faults"]) == (5, 3)
 
 
-def test_a_serial_line_has_pins_and_is_opened_again(tmp_path, monkeypatch):
-    script = """
+def test_a_serial_line_has_pins_and_is_opened_again(on_a_failing_board):
+    space = on_a_failing_board("serial", """
 import machine
 program.PINS = {"tx": 17, "rx": 99}
 given, real = [], machine.UART
@@ -201,14 +193,13 @@ machine.UART, line.made = line, []
 live(3)
 faults, program.PINS["rx"] = robot.radio_faults, 16
 live(3)
-"""
-    space = on_a_failing_board(tmp_path, "serial", script, monkeypatch)
+""")  # fmt: skip
     assert space["faults"] == space["robot"].radio_faults == 6
     assert space["given"][-1] == {"timeout": 0, "tx": 17, "rx": 16}
 
 
-def test_a_program_that_is_stopped_has_logged_all_ticks(tmp_path, monkeypatch):
-    script = """
+def test_a_program_that_is_stopped_has_logged_all_ticks(on_a_failing_board):
+    on_a_failing_board("espnow", """
 def sleep(seconds):
     now.append(now[-1] + 100)
     if len(now) == 300:
@@ -220,7 +211,5 @@ try:
     program.main()
 except KeyboardInterrupt:
     pass
-"""
-    on_a_failing_board(tmp_path, "espnow", script, monkeypatch, "--log", "100000")
-    log = read_log(tmp_path / "board" / "robot.log")
-    assert [tick.tick for tick in log.ticks] == [*range(1, 300)]
+""", "--log", "100000")  # fmt: skip
+    assert [tick.tick for tick in read_log("robot.log").ticks] == [*range(1, 300)]

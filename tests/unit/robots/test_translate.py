@@ -24,7 +24,7 @@ from tests.support.hosts import on_host
 from tests.support.places import DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, compiled, differs, load_busy, named
 
-GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+GCC, GXX = (pytest.mark.skipif(not shutil.which(name), reason=f"{name} is not installed") for name in ("gcc", "g++"))
 BRAIN = '''"""A brain that tries out Python."""
 import math
 
@@ -37,30 +37,23 @@ MEMORY = {"x": 0.0, "y": 0.0, "k": 0.0, "list": (0.0, 1.0, 2.0)}
 MESSAGE = ("x", "list")
 PARAMETERS = {"gain": 2.0, "weights": (0.5, 0.25)}
 
-
 def observe(me, blacks, looks):
     me.x = blacks
     me.y = looks
 
-
 def broadcast(me):
     return me.x, me.list
-
 
 def receive(me, message):
     x, items = message
     me.x += x + items[2]
 
-
 def fuse(me):
 FUSE
-
 
 def estimate(me):
     return 0.5
 '''
-
-
 NAMES_OF_C = """typeof linux unix AVR RAND_MAX BUFSIZ SEEK_CUR EXIT_FAILURE TMP_MAX P_tmpdir FOPEN_MAX WNOHANG
 BYTE_ORDER LITTLE_ENDIAN MAXFLOAT FD_SETSIZE SNAN stdin FILENAME_MAX concept"""
 NUMBERS = Numbers("double", "float32")
@@ -75,59 +68,35 @@ def trying(body, extra=""):
 SIGNED = "me.x, me.y = 2.5 * me.x - 7.0, 1.5 * min(me.y, 10.0) - 4.0\n"  # no y is 0
 PROGRAMS = {
     "modulo and floor division": "me.k = me.x % me.y\nme.list[0] = me.x // me.y\nme.x %= 2.0\nme.y //= 0.5",
-    "of whole numbers": (
-        "a = int(me.x)\nb = int(me.y * 2.0)\nme.k = a % b + 10 * (a // b)\nme.list[0] = a / b\n"
-        "me.list[1] = 1.0 * (a * 60 % 7)"
-    ),
-    "round, floor, ceil and int": (
-        "me.k = round(me.x)\nme.list[0] = math.floor(me.x) + 10.0 * math.ceil(me.x)\n"
-        "me.list[1] = int(me.x) + math.trunc(me.y)"
-    ),
-    "powers": (
-        "me.k = me.x ** 2 + (me.y + 1.0) ** 3\nme.list[0] = abs(me.x) ** 0.5\nn = 3\nme.list[1] = n ** 4\n"
-        "me.list[2] = 2.0 ** me.y\nme.y **= 2"
-    ),
-    "min, max and abs": (
-        "me.k = min(me.x, me.y, 1.0) + 100.0 * max(me.x, me.y, -1.0)\nme.list[0] = max(0.0, -0.0) + min(int(me.x), 4)\n"
-        "me.list[1] = abs(int(me.y)) + abs(me.x)"
-    ),
+    "of whole numbers": "a = int(me.x)\nb = int(me.y * 2.0)\nme.k = a % b + 10 * (a // b)\nme.list[0] = a / b\n"
+        "me.list[1] = 1.0 * (a * 60 % 7)",
+    "round, floor, ceil and int": "me.k = round(me.x)\nme.list[0] = math.floor(me.x) + 10.0 * math.ceil(me.x)\n"
+        "me.list[1] = int(me.x) + math.trunc(me.y)",
+    "powers": "me.k = me.x ** 2 + (me.y + 1.0) ** 3\nme.list[0] = abs(me.x) ** 0.5\nn = 3\nme.list[1] = n ** 4\n"
+        "me.list[2] = 2.0 ** me.y\nme.y **= 2",
+    "min, max and abs": "me.k = min(me.x, me.y, 1.0) + 100.0 * max(me.x, me.y, -1.0)\n"
+        "me.list[0] = max(0.0, -0.0) + min(int(me.x), 4)\nme.list[1] = abs(int(me.y)) + abs(me.x)",
     "chained comparisons": "me.k = float(0.0 < me.x <= me.y * 3.0 != 9.0)\nme.list[0] = float(-3.0 <= me.x < 3.0)",
-    "truths": (
-        "a = me.x > 0.0\nb = not a\nme.k = a + 2 * b\n"
-        "me.list[2] = 1.0 if me.x and not me.y < 0.0 or b else -1.0\nif me.x:\n    me.y = 5.0"
-    ),
-    "tables": (
-        "k = 3\nme.k = TABLE[ORDER[0]] + TABLE[-1] + ROWS[1][0]\n"
-        "for j in range(len(TABLE)):\n    me.list[j] = TABLE[j] * me.weights[j % 2] * me.gain + k\nme.y = me.list[-2]"
-    ),
+    "truths": "a = me.x > 0.0\nb = not a\nme.k = a + 2 * b\n"
+        "me.list[2] = 1.0 if me.x and not me.y < 0.0 or b else -1.0\nif me.x:\n    me.y = 5.0",
+    "tables": "k = 3\nme.k = TABLE[ORDER[0]] + TABLE[-1] + ROWS[1][0]\nfor j in range(len(TABLE)):\n"
+        "    me.list[j] = TABLE[j] * me.weights[j % 2] * me.gain + k\nme.y = me.list[-2]",
     "negative indexes": "k = int(me.x) % 3 - 1\nme.list[k] = 9.0\nme.k = me.list[k - 1]",
-    "loops": (
-        "total = 0.0\nfor k in range(2, 10, 3):\n    if k == 5:\n        continue\n    total += k\nme.k = total + k\n"
-        "for j in range(5, 0, -2):\n    if j < 2:\n        break\n    me.list[0] += j\nn = 4\n"
-        "for _ in range(n):\n    n -= 1\nme.list[1] = n\n"
-        "while True:\n    me.y += 1.0\n    if me.y > 10.0:\n        break"
-    ),
-    "a name that lives from turn to turn": (
-        "for k in range(4):\n    if k == 1:\n        kept = me.x\n    elif k > 1:\n"
-        "        kept = kept + 1.0\nme.k = kept"
-    ),
-    "tuples": (
-        "low, high = ends(me.x, me.y)\nme.k = low\nme.list[0] = high\nlow, high = high, low\nme.list[1] = low\n"
-        "pair = ends(1.0, me.y)\nme.list[2] = pair[1]"
-    ),
-    "tuples compared": (
-        "me.k = float((me.x, me.y) < (2.5, 2.0)) + 2.0 * float((me.x, 1.0) >= (me.x, me.y))\n"
-        "me.list[0] = float(me.x in (7.0, 2.5))"
-    ),
-    "parts of a number": (
-        "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\n"
-        "me.list[1] = math.fmod(me.x, 3.0)\nme.list[2] = math.ldexp(part, 3)"
-    ),
-    "words of C": (
-        "double = me.x\nint_ = 1.0\nregister = double + int_\nnumber = register\nfloor = math.floor(number)\n"
-        "me.k = floor"
-    ),
-}
+    "loops": "total = 0.0\nfor k in range(2, 10, 3):\n    if k == 5:\n        continue\n    total += k\n"
+        "me.k = total + k\nfor j in range(5, 0, -2):\n    if j < 2:\n        break\n    me.list[0] += j\nn = 4\n"
+        "for _ in range(n):\n    n -= 1\nme.list[1] = n\nwhile True:\n    me.y += 1.0\n    if me.y > 10.0:\n"
+        "        break",
+    "a name that lives from turn to turn": "for k in range(4):\n    if k == 1:\n        kept = me.x\n"
+        "    elif k > 1:\n        kept = kept + 1.0\nme.k = kept",
+    "tuples": "low, high = ends(me.x, me.y)\nme.k = low\nme.list[0] = high\nlow, high = high, low\n"
+        "me.list[1] = low\npair = ends(1.0, me.y)\nme.list[2] = pair[1]",
+    "tuples compared": "me.k = float((me.x, me.y) < (2.5, 2.0)) + 2.0 * float((me.x, 1.0) >= (me.x, me.y))\n"
+        "me.list[0] = float(me.x in (7.0, 2.5))",
+    "parts of a number": "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\n"
+        "me.list[1] = math.fmod(me.x, 3.0)\nme.list[2] = math.ldexp(part, 3)",
+    "words of C": "double = me.x\nint_ = 1.0\nregister = double + int_\nnumber = register\n"
+        "floor = math.floor(number)\nme.k = floor",
+}  # fmt: skip
 
 
 @GCC
@@ -136,8 +105,7 @@ PROGRAMS = {
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_same_bits(name, busy, tmp_path):
     for message in ("float16", "ratio8") if busy else ("float32",):
-        brain = load_busy(name, "double", message, busy)
-        assert differs(brain, tmp_path, on_host).line == 0
+        assert differs(load_busy(name, "double", message, busy), tmp_path, on_host).line == 0
 
 
 @GCC
@@ -146,8 +114,7 @@ def test_same_bits(name, busy, tmp_path):
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_same_bits_in_single(name, busy, tmp_path):
     exact = is_exact(load_busy(name, "single"))
-    brain = load_busy(name, "single", "ratio16" if exact else "float32", busy)
-    difference = differs(brain, tmp_path, on_host)
+    difference = differs(load_busy(name, "single", "ratio16" if exact else "float32", busy), tmp_path, on_host)
     assert difference.line == 0 if exact else difference.largest < CLOSE
 
 
@@ -155,9 +122,7 @@ def test_same_bits_in_single(name, busy, tmp_path):
 def test_the_test_can_fail(tmp_path):
     files = translated(load_busy("commons", "double"))
     for name, text in files.items():
-        (tmp_path / name).write_text(text)
-    source = tmp_path / "brain.h"
-    source.write_text(source.read_text().replace("slope * slope * looks", "slope * (slope * looks)"))
+        (tmp_path / name).write_text(text.replace("slope * slope * looks", "slope * (slope * looks)"))
     difference = compare(files["expected.txt"], on_host(tmp_path / "selftest.c"))
     assert difference.line > 0
     assert 0.0 < difference.largest < 1e-9
@@ -174,21 +139,10 @@ def test_kinds_do_not_depend_on_the_order_of_functions():
     source = BRAIN.replace("def observe", f"{HELPER}def observe").replace("FUSE", "    me.x = helper(me, 3)")
     kinds = parse(source, "trying", Path("trying.py")).kinds
     assert kinds.names["helper"] == {"me": RECORD, "k": WHOLE}
-    assert kinds.names["estimate"] == {"me": RECORD}
-    assert kinds.names["deeper"] == {"k": WHOLE}
+    assert (kinds.names["estimate"], kinds.names["deeper"]) == ({"me": RECORD}, {"k": WHOLE})
 
 
-HELPER = """def helper(me, k):
-    return estimate(me) * deeper(k + 1)
-
-
-def deeper(k):
-    return k * 2
-
-
-"""
-
-
+HELPER = "def helper(me, k):\n    return estimate(me) * deeper(k + 1)\n\n\ndef deeper(k):\n    return k * 2\n\n\n"
 ODD = {
     "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
     "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
@@ -276,40 +230,38 @@ def test_a_brain_that_fails():
         translated(trying("me.x = 1.0 / me.k"))
 
 
-@pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
+@GXX
 @pytest.mark.parametrize("name", ["bayes-bots", "swift", BRAINS[-1]], ids=named)
 def test_headers_are_c_plus_plus_too(name, tmp_path):
     (tmp_path / "brain.h").write_text(header(load_busy(name, "single", "ratio16")))
-    (tmp_path / "program.cpp").write_text('#include "brain.h"\n')
-    flags = ("-std=c++11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only")
-    done = subprocess.run(["g++", *flags, str(tmp_path / "program.cpp")], capture_output=True, text=True)
+    assert_compiles("g++ -std=c++11 -x c++", '#include "brain.h"\n', tmp_path)
+
+
+def assert_compiles(command, program, folder):
+    (folder / "program").write_text(program)
+    words = f"{command} -Wall -Wextra -Werror -fsyntax-only program".split()
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
+@GXX
 @pytest.mark.parametrize("command", ["gcc -std=gnu11 -x c", "g++ -std=gnu++17 -x c++"])
 def test_fields_and_locals_may_have_names_of_c_libraries(command, tmp_path):
     fields = "".join(f'"{name}": 0.0, ' for name in NAMES_OF_C.split())
     source = BRAIN.replace("MEMORY = {", f"MEMORY = {{{fields}").replace("FUSE", "    main = me.x\n    me.y = main")
     (tmp_path / "brain.h").write_text(header(parse(source, "names", Path("names.py")).with_numbers(NUMBERS)))
     heads = "".join(f"#include <{name}.h>\n" for name in ("stdio", "stdlib", "limits", "sys/wait", "sys/select"))
-    (tmp_path / "program").write_text(f'{heads}#include "brain.h"\n')
-    words = f"{command} -D_GNU_SOURCE -Wall -Wextra -Werror -fsyntax-only program".split()
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    assert_compiles(f"{command} -D_GNU_SOURCE", f'{heads}#include "brain.h"\n', tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["commons", "new", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
-        (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]"),
-        (["commons", "other"], "the folder other is not empty, it holds 'mine.txt'"),
-        (["commons", "file"], "file is a file: name a new folder"),
-        (["commons", "new", "--precision", "float"], "--precision float"),
-        (["commons", "new", "--hz", "4"], "--hz 4"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "message"), [
+    (["commons", "new", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
+    (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]"),
+    (["commons", "other"], "the folder other is not empty, it holds 'mine.txt'"),
+    (["commons", "file"], "file is a file: name a new folder"),
+    (["commons", "new", "--precision", "float"], "--precision float"),
+    (["commons", "new", "--hz", "4"], "--hz 4"),
+])  # fmt: skip
 def test_wrong_input(arguments, message, here, refused):
     (here / "other").mkdir()
     (here / "other" / "mine.txt").touch()

@@ -59,9 +59,8 @@ def test_who_has_seen_nothing_believes_in_a_half(readings, b, w):
 
 @pytest.mark.parametrize(("tries", "chance"), [(1, 0.5), (50, 1e-9), (1000, 0.3), (100_000, 0.55), (7, 0.0), (7, 1.0)])
 def test_chances_are_binomial(tries, chance):
-    np.testing.assert_allclose(
-        binomial(tries, chance), stats.binom.pmf(np.arange(tries + 1), tries, chance), rtol=1e-7, atol=1e-250
-    )
+    np.testing.assert_allclose(binomial(tries, chance), stats.binom.pmf(np.arange(tries + 1), tries, chance), rtol=1e-7,
+                               atol=1e-250)  # fmt: skip
 
 
 def test_several_sensors_are_mixed():
@@ -95,8 +94,6 @@ def test_normal_shares_and_medians_are_those_of_scipy():
 
 
 # ---- cramer-Rao bounds: by hand, from the likelihood's own curvature, and against what estimates reach
-
-
 @pytest.mark.parametrize(("b", "w", "f"), [(0.7, 0.7, 0.55), (0.9, 0.6, 0.2), (0.3, 0.3, 0.95), (1.0, 0.8, 0.5)])
 def test_information_is_expected_curvature(b, w, f):
     def q(x):
@@ -113,8 +110,7 @@ def test_information_is_expected_curvature(b, w, f):
 
 def test_bounds_by_hand():
     """b = w = 0.75 at f = 0.5: q = 1/2, k = 1/2, so a reading tells 1."""
-    assert theory.information(0.5, 0.75) == 1.0
-    assert theory.swarm_bound(100, 0.5, 0.75) == 0.01
+    assert (theory.information(0.5, 0.75), theory.swarm_bound(100, 0.5, 0.75)) == (1.0, 0.01)
     np.testing.assert_allclose(theory.swarm_bound([1, 100], 0.5, 0.75, robots=4), [0.25, 0.0025])
     hears = [[1, 1, 0], [1, 1, 1], [0, 1, 0]]  # a robot hears itself, whatever the matrix says
     np.testing.assert_allclose(theory.neighbourhood_bound(hears, 10, 0.5, 0.75), [1 / 20, 1 / 30, 1 / 20])
@@ -133,16 +129,13 @@ def test_unequal_sensors_add_up_what_they_tell():
 
 
 def test_perfect_sensors_and_blind_ones():
-    assert theory.information(0.0, 1.0) == np.inf
-    assert theory.swarm_bound(5, 0.0, 1.0) == 0.0
+    assert (theory.information(0.0, 1.0), theory.swarm_bound(5, 0.0, 1.0)) == (np.inf, 0.0)
     assert theory.swarm_bound(5, 0.4, 1.0) == pytest.approx(0.4 * 0.6 / 5)
     assert theory.swarm_bound(5, 0.4, 0.5) == np.inf
     assert theory.swarm_bound(5, 0.4, [0.5, 0.5]) == np.inf
 
 
 # ---- what theory is asked wrongly is refused in one line, which names the argument
-
-
 LAW = theory.local_law(5, 0.5, 0.7)
 WRONG = [
     (lambda: theory.swarm_bound(0, 0.5, 0.7), "readings = 0"),
@@ -189,8 +182,6 @@ def test_bad_input_is_named(call, said):
 
 
 # ---- the finite floor: by hand, by listing all floors, by brute force, and against SciPy's bivariate normal
-
-
 B, W = 0.9, 0.7
 K = B + W - 1
 
@@ -214,9 +205,8 @@ def of_sensors(readings, f):
 
 def test_floors_with_so_many_black_tiles():
     """All floors of 6 tiles with 2 black ones."""
-    visits, floors = [3, 1, 0, 2, 0, 1], []
-    for black in itertools.combinations(range(6), 2):
-        floors.append([m in black for m in range(6)])
+    visits, pairs = [3, 1, 0, 2, 0, 1], itertools.combinations(range(6), 2)
+    floors = [[m in black for m in range(6)] for black in pairs]
     found = theory.tiles_variance((9 + 1 + 4 + 1) / 49, 2 / 6, 6, drawn="exactly") + of_sensors(7, 2 / 6)
     assert found == pytest.approx(exactly(visits, floors, "floor"), rel=1e-12)
     assert found == pytest.approx(exactly(visits, floors, 2 / 6), rel=1e-12)

@@ -71,19 +71,18 @@ def fixed():
 
 
 def test_shipped_metrics_against_numpy(fixed):
-    results = fixed
     seen = set()
-    for k, robots in enumerate(results["robots"].values.tolist()):
-        trace = sc.replay(results, k, 1)
+    for k, robots in enumerate(fixed["robots"].values.tolist()):
+        trace = sc.replay(fixed, k, 1)
         floor = trace.attrs.get("true_fill_ratio", trace.attrs["fill_ratio"])
         for variable, expected in by_hand(trace["estimate"].values[1:], floor).items():
-            measured = results[variable].values[k, 1]
+            measured = fixed[variable].values[k, 1]
             if measured.ndim:
                 assert np.isnan(measured[robots:]).all()
                 measured = measured[:robots]
             np.testing.assert_allclose(measured, expected, rtol=1e-12, err_msg=variable)
             seen |= {(variable, bool(np.isinf(expected).any()))}
-    assert {("first_right", True), ("first_right", False), ("swarm_right", True), ("swarm_right", False)} <= seen
+    assert {(name, never) for name in ("first_right", "swarm_right") for never in (True, False)} <= seen
     assert {variable for variable, _ in seen} == {metrics.load(name).variable for name in LIBRARY}
 
 
@@ -96,9 +95,8 @@ def test_metrics_alter_no_bit_of_what_else_is_measured(fixed):
 
 def test_summaries_and_tables_have_metrics(fixed):
     table = sc.summary(fixed)
-    first = fixed["first_right"].values
     for k, robots in enumerate(fixed["robots"].values):
-        assert table["first_right"][k] == np.median(first[k, :, :robots])
+        assert table["first_right"][k] == np.median(fixed["first_right"].values[k, :, :robots])
         assert table["swarm_right"][k] == np.median(fixed["swarm_right"].values[k])
         assert 1.0 <= table["swarm_right_low"][k] <= table["swarm_right"][k] <= table["swarm_right_high"][k]
         assert 0.0 <= table["time_right_low"][k] <= table["time_right"][k] <= table["time_right_high"][k] <= 1.0
@@ -144,8 +142,7 @@ def small(names, rounds=20):
 
 def test_a_cluster_gets_metrics_as_text(tmp_path):
     (tmp_path / "mine.py").write_text(MINE)
-    text = STUDY.format(metrics='["mine.py", "swarm-right"]')
-    sent = sc.Study.parse(text, context={"base": tmp_path})
+    sent = sc.Study.parse(STUDY.format(metrics='["mine.py", "swarm-right"]'), context={"base": tmp_path})
     assert sent.measure.metrics[0].functions.UNIT == "1"  # it has been run here
     there, _ = read_payload(payload_of(sent))
     assert there.measure.metrics == sent.measure.metrics
@@ -181,18 +178,15 @@ def test_faults_of_a_file_are_named(old, new, said, tmp_path):
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("names", "said"),
-    [
-        (["frist-right"], 'measure.metrics[0] = "frist-right"'),
-        ([1], "a metric is a shipped metric's name or the path of a metric file"),
-        (["first-right", "first_right.py"], "two of them would be called 'first_right' in the results"),
-        (["correct.py"], "the name 'correct' is used in the results"),
-        (["mine_low.py"], "the name 'mine_low' is used in the results"),
-        (["mine"], "\"mine\": did you mean 'mine.py'?"),
-        (["my.metric.py"], "'my.metric' cannot name a variable"),
-    ],
-)
+@pytest.mark.parametrize(("names", "said"), [
+    (["frist-right"], 'measure.metrics[0] = "frist-right"'),
+    ([1], "a metric is a shipped metric's name or the path of a metric file"),
+    (["first-right", "first_right.py"], "two of them would be called 'first_right' in the results"),
+    (["correct.py"], "the name 'correct' is used in the results"),
+    (["mine_low.py"], "the name 'mine_low' is used in the results"),
+    (["mine"], "\"mine\": did you mean 'mine.py'?"),
+    (["my.metric.py"], "'my.metric' cannot name a variable"),
+])  # fmt: skip
 def test_bad_names_are_refused(names, said, here):
     for name in ("first_right.py", "correct.py", "my.metric.py", "mine_low.py", "mine.py"):
         Path(name).write_text(MINE)
@@ -212,17 +206,13 @@ def failing(source, rounds=20):
 AFTER = "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef result"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("= estimate", "= 1.0 / (k - my.rounds)", "division by zero, at mine.py, line 13: my.last = 1.0 / (k - my."),
-        ("def result", AFTER, "division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
-        ("return my.last", "return 1.0 / (my.robots - 3)", "ZeroDivisionError: division by zero, at mine.py, line"),
-        ("return my.last", "return math.nan", "its result is no number (of what never comes, infinity is right)"),
-        ("= estimate", "= 'much'", "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
-    ],
-    ids=["division", "after", "result", "nan", "uncompilable"],
-)
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("= estimate", "= 1.0 / (k - my.rounds)", "division by zero, at mine.py, line 13: my.last = 1.0 / (k - my."),
+    ("def result", AFTER, "division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
+    ("return my.last", "return 1.0 / (my.robots - 3)", "ZeroDivisionError: division by zero, at mine.py, line"),
+    ("return my.last", "return math.nan", "its result is no number (of what never comes, infinity is right)"),
+    ("= estimate", "= 'much'", "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
+], ids=["division", "after", "result", "nan", "uncompilable"])  # fmt: skip
 @pytest.mark.parametrize("checked", [1, 2000])  # estimates that CPython looks at beforehand
 def test_a_metric_that_fails_is_named(old, new, said, checked, here, monkeypatch):
     monkeypatch.setattr(file_metrics, "MOST_CHECKED", checked)
@@ -231,16 +221,13 @@ def test_a_metric_that_fails_is_named(old, new, said, checked, here, monkeypatch
     assert said in found
 
 
-@pytest.mark.parametrize(
-    ("body", "said"),
-    [
-        ("my.last = math.exp(1000.0)", "OverflowError: math range error, at mine.py, line 13"),
-        ("my.last = math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
-        ("my.last = float(9223372036854775807 + k)", "last is -9.223372036854"),
-        ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
-        ("if k > 2:\n        my.last = math.sqrt(estimate - 2.0)", "math domain error, at mine.py, line 14"),
-    ],
-)
+@pytest.mark.parametrize(("body", "said"), [
+    ("my.last = math.exp(1000.0)", "OverflowError: math range error, at mine.py, line 13"),
+    ("my.last = math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
+    ("my.last = float(9223372036854775807 + k)", "last is -9.223372036854"),
+    ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
+    ("if k > 2:\n        my.last = math.sqrt(estimate - 2.0)", "math domain error, at mine.py, line 14"),
+])  # fmt: skip
 def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, here):
     assert said in failing(MINE.replace("my.last = estimate", body), rounds=60)
 

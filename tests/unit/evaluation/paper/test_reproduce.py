@@ -9,22 +9,9 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus.evaluation.paper import page, report, reproducing as paper
+from swarmcensus.evaluation.paper import evidence, page, report, reproducing as paper
 from swarmcensus.evaluation.paper.evaluations import PAPER
-from swarmcensus.evaluation.paper.evidence import (
-    FAILS,
-    HOLDS,
-    NEITHER,
-    NO,
-    PARTLY,
-    UNDECIDED,
-    VERDICTS,
-    YES,
-    Detail,
-    Needed,
-    Outcome,
-    check,
-)
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NEITHER, NO, PARTLY, UNDECIDED, YES, Outcome
 from swarmcensus.figures.columns import columns_grid
 from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.results import store as results
@@ -57,10 +44,8 @@ def test_all_files_are_there(done):
 
 
 def holds_all(done, figures):
-    expected = [f"data/{n}.nc" for n in STUDIES]
-    drawn = [f"fig{k}{axes}" for k in figures for axes in ("", "-as-paper")]
-    expected += [f"figures/{name}.{kind}" for name in drawn for kind in ("png", "svg")]
-    expected += ["claims.json", "index.html"]
+    drawn = [f"fig{k}{axes}.{kind}" for k in figures for axes in ("", "-as-paper") for kind in ("png", "svg")]
+    expected = [*(f"data/{n}.nc" for n in STUDIES), *(f"figures/{name}" for name in drawn), "claims.json", "index.html"]
     found = [p.relative_to(done.out).as_posix() for p in done.out.rglob("*") if p.is_file()]
     assert sorted(found) == sorted(expected)
     assert sorted([*done.others, *done.files]) == sorted(done.out / name for name in expected)
@@ -77,8 +62,7 @@ def test_the_studies_hold_all_runs_of_the_paper():
 def test_the_page_of_all_parts_needs_nothing_from_outside(tmp_path):
     done = paper.reproduce(tmp_path, trials=2, jobs=2, say=lambda _: None)
     holds_all(done, (2, 3, 4, 5))
-    text = needs_nothing_from_outside(done)
-    assert "--trials 2" in text
+    assert "--trials 2" in needs_nothing_from_outside(done)
 
 
 def needs_nothing_from_outside(done):
@@ -111,7 +95,7 @@ def test_each_picture_has_its_own_text_and_files(done):
 
 
 def test_a_closed_claim_counts_its_settings(tmp_path):
-    details = [Detail("ring", 0.04, (0.03, 0.06), said) for said in (NEITHER, YES, YES)]
+    details = [evidence.Detail("ring", 0.04, (0.03, 0.06), said) for said in (NEITHER, YES, YES)]
     text = a_page(tmp_path, outcome(PARTLY, *details))
     closed, opened = text.partition("<details class=claim>")[2].split("</summary>", 1)
     assert ("2 yes, 1 neither" in closed, "0.04" in closed, "0.04" in opened) == (True, False, True)
@@ -122,23 +106,21 @@ def test_claims_are_all_there_and_valid_json(done):
     read = json.loads(text, parse_constant=pytest.fail)
     assert [claim["id"] for claim in read["claims"]] == [claim.id for claim in PAPER.claims]
     for claim in read["claims"]:
-        assert claim["verdict"] in VERDICTS
+        assert claim["verdict"] in evidence.VERDICTS
         assert all(claim[key] for key in ("title", "sentence", "section", "statistic", "threshold", "settings"))
         assert {each["verdict"] for each in claim["settings"]} <= {YES, NO, NEITHER}
     assert read["studies"]["topologies"] == {"seed": 2023, "trials": 2}
-    assert report.as_json(check(done.datasets, PAPER.claims), done.datasets, PAPER.source) == text
+    assert report.as_json(evidence.check(done.datasets, PAPER.claims), done.datasets, PAPER.source) == text
 
 
 def test_every_figure_names_claims_and_studies_that_exist():
     names = {claim.id for claim in PAPER.claims}
     assert len(names) == len(PAPER.claims)
-    studies = {path.stem for path in shipped_study("paper").glob("*.toml")}
-    for figure in PAPER.figures:
-        assert names.issuperset(figure.claims)
-        assert studies.issuperset(view.study for view in figure.views)
     spoken_of = {name for figure in PAPER.figures for name in figure.claims}
-    assert names - spoken_of == {"minimal"}
-    assert studies.issuperset(study for claim in PAPER.claims for study in claim.studies)
+    assert (spoken_of - names, names - spoken_of) == (set(), {"minimal"})
+    used = {view.study for figure in PAPER.figures for view in figure.views}
+    used |= {study for claim in PAPER.claims for study in claim.studies}
+    assert used <= {path.stem for path in shipped_study("paper").glob("*.toml")}
 
 
 @pytest.mark.long
@@ -146,10 +128,8 @@ def test_a_part_runs_only_what_it_needs(tmp_path):
     said, bars = [], []
     done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", pdf=True, progress=bars.append, say=said.append)
     assert list(done.datasets) == ["moving"]
-    assert {p.name for p in done.others} == {
-        "moving.nc",
-        *(f"fig5{axes}.{kind}" for axes in ("", "-as-paper") for kind in ("png", "svg", "pdf")),
-    }
+    drawn = {f"fig5{axes}.{kind}" for axes in ("", "-as-paper") for kind in ("png", "svg", "pdf")}
+    assert {p.name for p in done.others} == {"moving.nc"} | drawn
     assert not (tmp_path / "claims.json").exists()
     assert "--trials 1 --seed 5 --only fig5" in needs_nothing_from_outside(done)
     assert [line.partition(":")[0] for line in said] == ["compile", "simulate", "figures", "page"]
@@ -232,27 +212,20 @@ def test_ctrl_c_keeps_finished_work_of_reproduce(tmp_path, monkeypatch):
 
 def test_all_text_on_the_page_is_escaped(tmp_path):
     nasty = "<script>alert('&')</script>"
-    detail = Detail(nasty, 1.0, (0.5, 2.0), NO, nasty)
+    detail = evidence.Detail(nasty, 1.0, (0.5, 2.0), NO, nasty)
     texts = dict.fromkeys(("title", "sentence", "section", "statistic", "explanation"), nasty)
-    texts["needed"] = Needed(nasty, (0.0, 1.0), (0.0, 1.0))
+    texts["needed"] = evidence.Needed(nasty, (0.0, 1.0), (0.0, 1.0))
     text = a_page(tmp_path, outcome(FAILS, *[detail] * 5, **texts))
     assert "<script>" not in text
     assert text.count("&lt;script&gt;alert(&#39;&amp;&#39;)") > 12
 
 
-SAID = ((HOLDS, YES), (PARTLY, NO), (FAILS, NO), (UNDECIDED, NEITHER))
-MEASURED = {
-    said: Detail("scale-free, f = 0.55, U(0.525,0.975)", 12.34, (11.5, 123.5), said, "1234 and 100") for _, said in SAID
-}
-CHECKED = [
-    Outcome(claim, verdict, (MEASURED[said],) * 44, ("ring",), MEASURED[said])
-    for claim, (verdict, said) in zip(PAPER.claims, itertools.cycle(SAID), strict=False)
-]
-
-
 def test_the_table_fits_narrow_terminals():
-    found = report.Reproduction(None, "", {}, [], CHECKED, {})
-    text = as_text(found.print_on, 80)
+    said, checked = itertools.cycle(((HOLDS, YES), (PARTLY, NO), (FAILS, NO), (UNDECIDED, NEITHER))), []
+    for claim, (verdict, found) in zip(PAPER.claims, said, strict=False):
+        one = evidence.Detail("scale-free, f = 0.55, U(0.525,0.975)", 12.34, (11.5, 123.5), found, "1234 and 100")
+        checked.append(Outcome(claim, verdict, (one,) * 44, ("ring",), one))
+    text = as_text(report.Reproduction(None, "", {}, [], checked, {}).print_on, 80)
     assert max(map(len, text.splitlines())) <= 80
     assert "Ring and line are alike" in text
     assert text.count("hold") + text.count("not decided") >= len(PAPER.claims)
@@ -263,7 +236,6 @@ def test_a_claim_is_a_row_of_plain_numbers(done):
     first = done.rows[0]
     assert list(first)[:3] == ["id", "title", "verdict"]
     assert first["yes"] + first["no"] + first["neither"] + first["left_out"] == 22
-    claims = done.fields["claims"]
-    assert [row["value"] for row in done.rows] == [claim["value"] for claim in claims]
+    assert [row["value"] for row in done.rows] == [claim["value"] for claim in done.fields["claims"]]
     assert done.cautions == ["intervals need 6 trials or more: 2 trials cannot decide most claims"]
     assert done.to_tsv().count("\n") == 1 + len(PAPER.claims)

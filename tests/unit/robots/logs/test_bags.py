@@ -65,12 +65,11 @@ def events_of(data, kind="Bool", heard="Int32MultiArray", jitter=0):
         if value == value:
             late = int(chance.integers(-jitter, jitter + 1)) if k else 0
             events.append((START + k * PERIOD + late, f"/robot_{robot}/floor", kind, make(value)))
-    for k in range(STEPS):
-        for receiver in range(ROBOTS):
-            senders = messages[(messages[:, 0] == k) & (messages[:, 2] == receiver), 1]
-            said = ", ".join(map(str, senders)) if heard == "String" else senders
-            if len(senders):
-                events.append((START + k * PERIOD + 1000, f"/robot_{receiver}/heard", heard, said))
+    for k, receiver in np.ndindex(STEPS, ROBOTS):
+        senders = messages[(messages[:, 0] == k) & (messages[:, 2] == receiver), 1]
+        said = ", ".join(map(str, senders)) if heard == "String" else senders
+        if len(senders):
+            events.append((START + k * PERIOD + 1000, f"/robot_{receiver}/heard", heard, said))
     return events
 
 
@@ -96,11 +95,10 @@ def from_csv(csv):
     return inferred(csv, "o.csv", "--links", csv / "l.csv")
 
 
-@pytest.mark.parametrize(
-    ("storage", "kind", "heard", "compressed"),
-    [("SQLITE3", "Bool", "Int32MultiArray", None), ("SQLITE3", "UInt8", "String", "MESSAGE"),
-     ("MCAP", "Float32", "UInt16MultiArray", "STORAGE"), ("MCAP", "Int32", "String", "FILE")],
-)  # fmt: skip
+@pytest.mark.parametrize(("storage", "kind", "heard", "compressed"), [
+    ("SQLITE3", "Bool", "Int32MultiArray", None), ("SQLITE3", "UInt8", "String", "MESSAGE"),
+    ("MCAP", "Float32", "UInt16MultiArray", "STORAGE"), ("MCAP", "Int32", "String", "FILE"),
+])  # fmt: skip
 def test_a_bag_infers_what_its_csv_files_do(data, from_csv, tmp_path, storage, kind, heard, compressed):
     write(tmp_path / "bag", events_of(data, kind, heard, jitter=PERIOD // 3), storage, compressed)
     xr.testing.assert_identical(from_csv, inferred(tmp_path, "bag", *TOPICS))
@@ -114,11 +112,9 @@ def test_links_of_a_file_go_with_readings_of_a_bag(data, csv, tmp_path):
 
 
 def test_the_last_reading_of_a_step_counts_and_is_sent(tmp_path):
-    values = [True, False, True, True, False]
-    times = [0, 20, 100, 110, 120]  # ms
-    events = [(START + t * 10**6, "/robot_0/floor", "Bool", v) for t, v in zip(times, values, strict=True)]
-    events += [(START + 5 * 10**6, "/robot_0/heard", "Int32MultiArray", [0])]
-    write(tmp_path / "bag", events)
+    values = {0: True, 20: False, 100: True, 110: True, 120: False}  # by ms
+    events = [(START + ms * 10**6, "/robot_0/floor", "Bool", value) for ms, value in values.items()]
+    write(tmp_path / "bag", [*events, (START + 5 * 10**6, "/robot_0/heard", "Int32MultiArray", [0])])
     read, heard = read_bag(tmp_path / "bag", "/robot_{robot}/floor", "/robot_{robot}/heard", 0.1)
     assert read.values.tolist() == [[0], [0]]
     assert "1 message that a robot heard from itself" in read.notes[0]
@@ -126,14 +122,11 @@ def test_the_last_reading_of_a_step_counts_and_is_sent(tmp_path):
     assert heard.shape == (0, 3)
 
 
-@pytest.mark.parametrize(
-    ("names", "templates", "hearer", "says", "heard", "note"),
-    [
-        (("b", "a", "12", "9"), "/{robot}", "b", "12 a", [(1, 3), (2, 3)], ""),
-        ((0, 1), "/robot_{robot}", 0, "1 7 base", [(1, 0)], "2 messages of or to robots without readings"),
-        (("robot_01", "robot_10"), "/{robot}", "robot_10", "robot_01 1", [(0, 1)], "are left out: 1"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("names", "templates", "hearer", "says", "heard", "note"), [
+    (("b", "a", "12", "9"), "/{robot}", "b", "12 a", [(1, 3), (2, 3)], ""),
+    ((0, 1), "/robot_{robot}", 0, "1 7 base", [(1, 0)], "2 messages of or to robots without readings"),
+    (("robot_01", "robot_10"), "/{robot}", "robot_10", "robot_01 1", [(0, 1)], "are left out: 1"),
+])  # fmt: skip
 def test_messages_name_robots_as_topics_do(tmp_path, names, templates, hearer, says, heard, note):
     place = templates if isinstance(names[0], int) else "/{robot}"
     events = [(START, place.format(robot=name) + "/floor", "Bool", name != "b") for name in names]
@@ -152,8 +145,6 @@ def test_no_reading_is_nan_and_time_may_begin_at_0(tmp_path):
 
 
 # ---- a bag is read whole, or refused
-
-
 def short_bag(path, storage="MCAP", compressed=None):
     """The file of a bag of two robots, which read 300 times."""
     events = [(START + k * PERIOD, f"/robot_{r}/floor", "Bool", (k + r) % 3 == 0) for k in range(300) for r in (0, 1)]
@@ -207,20 +198,17 @@ COUNTED = "(/robot_0/floor has 300 messages, and {} were counted as recorded): "
 
 
 @pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
-@pytest.mark.parametrize(
-    ("damage", "says"),
-    [
-        ("cut", "): "),
-        (("message_count: 300", "message_count: 301"), COUNTED.format(301)),
-        (("message_count: 300", "message_count: 299"), COUNTED.format(299)),
-        (("\n  message_count: 600", "\n  message_count: 900"), "(its topics have 600 messages, and 900 were counted"),
-        (("name: /robot_1/floor", "name: /floor"), "(/floor has 0 messages, and 300 were counted as recorded): "),
-        (("name: /robot_1/floor", "name: /robot_0/floor"), "(/robot_0/floor has 300 messages, and 600 were counted"),
-        (("relative_file_paths:", "relative_file_paths:\n  - more"), "/bag/more"),
-        (("relative_file_paths:\n  - bag", "relative_file_paths:\n  - more"), "metadata.yaml lacks bag.{ending}: move"),
-        ("no metadata", "metadata.yaml is missing"),
-    ],
-)
+@pytest.mark.parametrize(("damage", "says"), [
+    ("cut", "): "),
+    (("message_count: 300", "message_count: 301"), COUNTED.format(301)),
+    (("message_count: 300", "message_count: 299"), COUNTED.format(299)),
+    (("\n  message_count: 600", "\n  message_count: 900"), "(its topics have 600 messages, and 900 were counted"),
+    (("name: /robot_1/floor", "name: /floor"), "(/floor has 0 messages, and 300 were counted as recorded): "),
+    (("name: /robot_1/floor", "name: /robot_0/floor"), "(/robot_0/floor has 300 messages, and 600 were counted"),
+    (("relative_file_paths:", "relative_file_paths:\n  - more"), "/bag/more"),
+    (("relative_file_paths:\n  - bag", "relative_file_paths:\n  - more"), "metadata.yaml lacks bag.{ending}: move"),
+    ("no metadata", "metadata.yaml is missing"),
+])  # fmt: skip
 def test_a_damaged_bag_is_refused_with_what_mends_it(tmp_path, refused, storage, damage, says):
     bag, mend = tmp_path / "bag", "sqlite3 FILE .recover" if storage == "SQLITE3" else "mcap recover FILE"
     file, metadata = short_bag(bag, storage), bag / "metadata.yaml"
@@ -239,30 +227,27 @@ def test_a_damaged_bag_is_refused_with_what_mends_it(tmp_path, refused, storage,
 FLOOR = "/robot_{robot}/floor"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
-        (["bag"], "bag: a bag needs --readings and --period"),
-        (["bag", "--readings", FLOOR], "bag: a bag needs --period"),
-        (["bag", "--readings", "/robot_0/floor", "--period", "1"], "should name a robot once as {robot}"),
-        (["bag", "--readings", "/r{robot}", "--period", "1"], "there are /picture_0 (std_msgs/msg/String), /robot_0/"),
-        (["bag", "--readings", FLOOR, "--period", "nan"], "--period nan"),
-        (["bag", "--readings", FLOOR, "--period", "1e-8"], "steps of --period 1e-08: 10,000,000 at most"),
-        (["bag", "--readings", "/picture_{robot}", "--period", "1"], "picture_0 is of std_msgs/msg/String: --readings"),
-        (["bag", "--readings", "/robot_{robot}/grey", "--period", "1"], "/robot_0/grey: a reading of 7: should be 0"),
-        (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", "/robot_{robot}/far"], "messages name 9, of which"),
-        (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", FLOOR], "/robot_0/floor is of std_msgs/msg/Bool: --messages"),
-        (["bag", *TOPICS, "--links", "l.csv"], "--links l.csv and --messages /robot_{robot}/heard: one of them"),
-        (["empty", *TOPICS], "empty: no bag of rosbag2"),
-        (["text.db3", *TOPICS], "text.db3"),
-        (["text.mcap", *TOPICS], "text.mcap"),
-        (["o.csv", "--period", "1"], "--period"),
-        (["one.db3", "--readings", FLOOR, "--period", "1"], "one.db3: its messages are compressed: name the folder"),
-        (["all.db3.zstd", *TOPICS], "all.db3.zstd: is compressed: name its folder, or unpack it with zstd -d"),
-        (["json.mcap", "--readings", FLOOR, "--period", "1"], "/robot_0/floor is encoded as 'json': should be cdr"),
-        (["rows.db3", "--readings", FLOOR, "--period", "1"], "read whole (its last messages are in"),
-    ],
-)
+@pytest.mark.parametrize(("arguments", "expected"), [
+    (["bag"], "bag: a bag needs --readings and --period"),
+    (["bag", "--readings", FLOOR], "bag: a bag needs --period"),
+    (["bag", "--readings", "/robot_0/floor", "--period", "1"], "should name a robot once as {robot}"),
+    (["bag", "--readings", "/r{robot}", "--period", "1"], "there are /picture_0 (std_msgs/msg/String), /robot_0/"),
+    (["bag", "--readings", FLOOR, "--period", "nan"], "--period nan"),
+    (["bag", "--readings", FLOOR, "--period", "1e-8"], "steps of --period 1e-08: 10,000,000 at most"),
+    (["bag", "--readings", "/picture_{robot}", "--period", "1"], "picture_0 is of std_msgs/msg/String: --readings"),
+    (["bag", "--readings", "/robot_{robot}/grey", "--period", "1"], "/robot_0/grey: a reading of 7: should be 0"),
+    (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", "/robot_{robot}/far"], "messages name 9, of which"),
+    (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", FLOOR], "/robot_0/floor is of std_msgs/msg/Bool: --messages"),
+    (["bag", *TOPICS, "--links", "l.csv"], "--links l.csv and --messages /robot_{robot}/heard: one of them"),
+    (["empty", *TOPICS], "empty: no bag of rosbag2"),
+    (["text.db3", *TOPICS], "text.db3"),
+    (["text.mcap", *TOPICS], "text.mcap"),
+    (["o.csv", "--period", "1"], "--period"),
+    (["one.db3", "--readings", FLOOR, "--period", "1"], "one.db3: its messages are compressed: name the folder"),
+    (["all.db3.zstd", *TOPICS], "all.db3.zstd: is compressed: name its folder, or unpack it with zstd -d"),
+    (["json.mcap", "--readings", FLOOR, "--period", "1"], "/robot_0/floor is encoded as 'json': should be cdr"),
+    (["rows.db3", "--readings", FLOOR, "--period", "1"], "read whole (its last messages are in"),
+])  # fmt: skip
 def test_wrong_input_is_one_sentence(wrong, tmp_path, refused, arguments, expected):
     shutil.copytree(wrong, tmp_path, dirs_exist_ok=True)
     assert expected in refused("infer", *arguments, "--accuracy", "0.8")

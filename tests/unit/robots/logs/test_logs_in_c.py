@@ -78,7 +78,6 @@ int main(void) {
 }
 """
 
-
 WILD = changed(
     ('("x",)', '("t",)'),
     ("me.t += looks\n    me.n += blacks", "me.t += blacks"),
@@ -89,11 +88,10 @@ WILD = changed(
 )
 
 
-@pytest.mark.parametrize(
-    ("name", "precision", "message", "compiler"),
-    [("census", "single", "ratio16", "gcc -std=c99"), ("sure", "double", "float32", "g++ -std=c++17 -x c++"),
-     ("wild.py", "double", "float32", "gcc -std=c99")],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "precision", "message", "compiler"), [
+    ("census", "single", "ratio16", "gcc -std=c99"), ("sure", "double", "float32", "g++ -std=c++17 -x c++"),
+    ("wild.py", "double", "float32", "gcc -std=c99"),
+])  # fmt: skip
 def test_a_log_written_in_c_is_lived_again_to_the_bit(tmp_path, name, precision, message, compiler):
     wild = name == "wild.py"  # its estimate leaves [0, 1] again and again, and it starts blank
     if wild:
@@ -107,8 +105,7 @@ def test_a_log_written_in_c_is_lived_again_to_the_bit(tmp_path, name, precision,
     uses = {"LUCK": brain.uses.luck, "NAMED": brain.uses.name, "ENDS": brain.ends, "STEERS": brain.steers}
     defined = [f"-D{key}={int(value)}" for key, value in uses.items()]
     flags = ["-Wall", "-Wextra", "-Werror", "-ffp-contract=off", f"-DTICKS={TICKS}", *defined]
-    command = [*compiler.split(), *flags, "swarm.c", "-lm", "-o", "swarm"]
-    subprocess.run(command, cwd=tmp_path, check=True)
+    subprocess.run([*compiler.split(), *flags, "swarm.c", "-lm", "-o", "swarm"], cwd=tmp_path, check=True)
     subprocess.run(["./swarm"], cwd=tmp_path, check=True)
     members = read_recording(tmp_path, name if wild else None).members
     assert [member.number for member in members] == [300, 301, 302]

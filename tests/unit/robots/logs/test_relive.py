@@ -18,17 +18,10 @@ from swarmcensus.robots.logs.traces import as_trace
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
 from tests.support.lockstep import Swarm
 from tests.support.long import in_two_sizes
-from tests.support.relived import SEED, estimates_of, logged, setting_of, told
+from tests.support.relived import SEED, estimates_of, logged, recorded, setting_of, told
 from tests.support.trials import record_trial
 
 pytestmark = pytest.mark.interpreted
-
-
-def recorded(folder, brain="commons", **given):
-    """Logs of a swarm that lived to its end: its study, and what its robots showed."""
-    study, _, swarm = logged(folder, brain, **given)
-    swarm.run()
-    return study, swarm.close()
 
 
 def lived(folder):
@@ -53,16 +46,10 @@ def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
     return swarm.close()
 
 
-FORMATS = [
-    ("commons", "float32", "double"),
-    ("minimalistic", "ratio16", "double"),
-    ("commons", "float16", "single"),
-    ("voter", "float16", "double"),
-    ("sure", "ratio8", "double"),
-]
-
-
-@pytest.mark.parametrize(("brain", "message", "precision"), FORMATS)
+@pytest.mark.parametrize(("brain", "message", "precision"), [
+    ("commons", "float32", "double"), ("minimalistic", "ratio16", "double"), ("commons", "float16", "single"),
+    ("voter", "float16", "double"), ("sure", "ratio8", "double"),
+])  # fmt: skip
 def test_logs_are_lived_again_to_the_bit_as_their_simulation(tmp_path, brain, message, precision):
     formats = {"message": message, "precision": precision}
     study, shown = recorded(tmp_path / "day", brain, **formats)
@@ -144,11 +131,10 @@ def test_replay_of_a_cut_log(tmp_path):
     assert (found[kept + 1 :, [0, 2]] == shown[kept + 1 :, [0, 2]]).all()  # the neighbours of robot 1
 
 
-@pytest.mark.parametrize(
-    ("lost", "resumes", "expected"),
-    [(1, 10, "tick 10 is not in the log"), (3, 10, "ticks 10 to 12 are not in the log"),
-     (3, 2, "ticks 1 to 2 are not in the log")],
-)  # fmt: skip
+@pytest.mark.parametrize(("lost", "resumes", "expected"), [
+    (1, 10, "tick 10 is not in the log"), (3, 10, "ticks 10 to 12 are not in the log"),
+    (3, 2, "ticks 1 to 2 are not in the log"),
+])  # fmt: skip
 def test_ticks_after_a_loss_are_unknown_and_not_different(tmp_path, capsys, lost, resumes, expected):
     """Robot 1 loses ticks; in the last case the start of a life whose saved memory comes next."""
     _, _, swarm = logged(tmp_path / "day")
@@ -176,8 +162,7 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     _, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives if life.number != 2)
     [first] = lives[2].breaks
-    assert (first.boot, first.tick) == (0, 19)
-    assert first.field == "message.s"
+    assert (first.boot, first.tick, first.field) == (0, 19, "message.s")
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
 
 
@@ -237,8 +222,6 @@ def begins_before(data, at):
 
 
 # ---- logs and swarm.json that somebody has made up
-
-
 TOO_LATE = block(TICK, struct.pack(OPENING, 100_000_000, 5, 0, 0, 0, 0) + struct.pack(ENDING, 0.5, 7))
 
 
@@ -254,11 +237,9 @@ def copied(whole, tmp_path):
     return Path(shutil.copytree(whole, tmp_path / "day"))
 
 
-@pytest.mark.parametrize(
-    "added",
-    [TOO_LATE, block(STATE, b""), block(STATE, MAGIC + bytes(63)), block(9, b"?")],
-    ids=["late", "empty", "version", "kind"],
-)
+@pytest.mark.parametrize("added", [
+    TOO_LATE, block(STATE, b""), block(STATE, MAGIC + bytes(63)), block(9, b"?")
+], ids=["late", "empty", "version", "kind"])  # fmt: skip
 @pytest.mark.parametrize("command", ["relive", "relive --trace t.nc", "export"])
 def test_no_block_ends_without_a_sentence(added, command, copied, here, capsys):
     path = copied / "robot-1.log"

@@ -28,12 +28,11 @@ def plan(robots=20, liars=0):
 def swarm(robots=20, liars=0, **more):
     """One in the middle of its run."""
     given = plan(robots, liars)
-    beliefs = [0.5 if member.honest else 0.9 for member in given.members]
-    known = [RobotState(Report(k, 1, 1, 1, 200, 0, belief, heard=99999, sent=99999, missed=1234), None)
-             for k, belief in enumerate(beliefs)]  # fmt: skip
-    for one in known:
-        one.state = "runs"
-    known[3].state = "stopped"
+    known = []
+    for k, member in enumerate(given.members):
+        report = Report(k, 1, 1, 1, 200, 0, 0.5 if member.honest else 0.9, heard=99999, sent=99999, missed=1234)
+        known.append(RobotState(report, None))
+        known[-1].state = "stopped" if k == 3 else "runs"
     happened = ["1.0 s: kill robot 9", "2.0 s: restart robot 3", "4.0 s: stop robot 3"]
     return RunningSwarm(given, None, None, None, known, happened=happened, **more)
 
@@ -72,9 +71,8 @@ def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypat
     printed = capsys.readouterr()
     assert "the mean over the " in printed.out
     assert printed.out.splitlines()[-1] == f"{tmp_path / 'out'}: 4 logs"
-    assert re.search(
-        rf"next: swarmcensus relive {tmp_path}/out\nswarmcensus: stopped after \d+ of 150 rounds", printed.err
-    )
+    ended = rf"next: swarmcensus relive {tmp_path}/out\nswarmcensus: stopped after \d+ of 150 rounds"
+    assert re.search(ended, printed.err)
 
 
 def test_means_are_of_honest_robots_at_work():

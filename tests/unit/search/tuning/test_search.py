@@ -25,6 +25,7 @@ from swarmcensus.summaries.measures import Measure
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import BEST, SEARCHED
 from swarmcensus.support.seeds import seed_for
+from swarmcensus.support.toml_text import to_toml
 from tests.support import small
 from tests.support.tunable import SOURCE, study_of
 
@@ -82,8 +83,7 @@ def test_search_is_repeatable_and_leaves_global_random_state(brain):
         asked.append((mine, search.favourite))
     assert asked[0] == asked[1]
     assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
-    other = Search(ranges, (0.5, 3.0), 12)
-    assert other.ask() != asked[0][0][0]
+    assert Search(ranges, (0.5, 3.0), 12).ask() != asked[0][0][0]
 
 
 def searched(brain, loss, generations, start=(0.9, 0.9), seed=3):
@@ -105,8 +105,7 @@ def test_search_of_a_flat_metric(brain):
         search, asked = searched(brain, lambda a, w: (float(max(a, w) > 0.2),), 16, seed=seed)
         assert not search.ended
         found += max(search.favourite) <= 0.2
-        everywhere = np.array(asked[1])
-        assert (np.sort(np.floor(everywhere * 12), axis=0) == np.arange(12)[:, np.newaxis]).all()
+        assert (np.sort(np.floor(np.array(asked[1]) * 12), axis=0) == np.arange(12)[:, np.newaxis]).all()
     assert found >= 18
 
 
@@ -133,15 +132,15 @@ def test_the_search_runs_on_other_seeds_than_the_evaluation(tmp_path, monkeypatc
     now = ["evaluation"]
 
     def spy(setting, seed, *others):
-        used[now[0]].add(seed)
+        used[now[-1]].add(seed)
         return run_batch(setting, seed, *others)
 
     def searching(self, *others):
-        now[0] = "search"
+        now.append("search")
         try:
             return through(self, *others)
         finally:
-            now[0] = "evaluation"
+            now.pop()
 
     study = study_of(tmp_path, "a = 0.1, noise = 0.1", seed=5)
     sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=1)  # compiled, with a seed of its own
@@ -161,8 +160,7 @@ def test_a_quadratic_penalty_is_found(tmp_path):
     asked = ["a=0:1", "pair[0]=0:1", "pair[1]=0:1", "many=0:10:whole"]
     found = sc.tune(study, asked, budget=800, trials=1)
     assert found.values == pytest.approx({"a": 0.6, "pair[0]": 0.25, "pair[1]": 0.5, "many": 3}, abs=0.01)
-    assert found.values["many"] == 3
-    assert found.verdict == "better"
+    assert (found.values["many"], found.verdict) == (3, "better")
     assert found.brain.parameters["pair"] == (found.values["pair[0]"], found.values["pair[1]"])
 
 
@@ -185,13 +183,11 @@ NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284
 def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
     if not companion:
         monkeypatch.delitem(COMPANIONS, "correct")
-    study = study_of(tmp_path, NOWHERE)
-    found = sc.tune(study, ["a=0:10"], metric="correct", budget=97, trials=1)
+    found = sc.tune(study_of(tmp_path, NOWHERE), ["a=0:10"], metric="correct", budget=97, trials=1)
     assert len(found.evaluations) == 97
     assert {one.loss for one in found.evaluations[:13]} == {1.0}  # as it was, and all of the first generation
     assert abs(found.values["a"] - 0.6) < 0.316
-    assert found.verdict == "better"
-    assert len(found.evaluations[0].losses) == 1 + companion
+    assert (found.verdict, len(found.evaluations[0].losses)) == ("better", 1 + companion)
 
 
 def test_swarm_is_tuned_to_agree(tmp_path):
@@ -209,8 +205,7 @@ def test_swarm_that_never_learns_is_not_the_soonest(tmp_path):
 
 def test_failed_trials_are_borne_and_avoided(tmp_path):
     """Above 90 `many` divides by zero: such candidates lose, and the search goes on."""
-    study = study_of(tmp_path, "many = 60.0")
-    found = sc.tune(study, ["many=40:200"], budget=25, trials=2)
+    found = sc.tune(study_of(tmp_path, "many = 60.0"), ["many=40:200"], budget=25, trials=2)
     failed = [one for one in found.evaluations if one.failed]
     assert failed
     assert all(one.values[0] > 90 and one.loss == 1.0 and one.failed == 2 for one in failed)
@@ -224,24 +219,20 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     found = sc.tune(study, ["a=0:1"], budget=37, trials=3, out=tmp_path / "t.toml")
     assert len(found.evidence.comparison.contenders) == 2
     data = sc.load(tmp_path / "t.nc")
-    assert data.sizes["setting"] == 4
+    assert (data.sizes["setting"], data.attrs["seed"]) == (4, 1)
     assert sorted(set(data["brain"].values)) == ["minimalistic", "tunable.py"]
-    assert data.attrs["seed"] == 1
     assert "with the study's other brains" in " ".join(found.sentences)
     kept = [0.1, 0.3, found.values["a"]]
     assert sorted(data["a"].values[data["brain"].values == "tunable.py"]) == sorted(kept)
-    pasted = sc.Study.parse(
-        re.sub(r"brain += .*", re.search(r"^brain = .*", found.text, re.M)[0], study.text), context=study.context
-    )
-    assert pasted.swarm.brain == [found.brain]
+    text = re.sub(r"brain += .*", re.search(r"^brain = .*", found.text, re.M)[0], study.text)
+    assert sc.Study.parse(text, context=study.context).swarm.brain == [found.brain]
 
 
 def test_several_worlds_have_equal_weight_and_are_listed(tmp_path):
     study = study_of(tmp_path, "a = 0.1, noise = 0.02", accuracy="[0.8, 0.9]", seed=3)
     found = sc.tune(study, ["a=0:1"], budget=37, trials=3)
     assert "over all 2 worlds: better in 100%, worse in 0% of trials, p < 0.001" in found.sentences[0]
-    assert [row["accuracy"] for row in found.rows] == ["0.8", "0.9"]
-    assert found.verdict == "better"
+    assert ([row["accuracy"] for row in found.rows], found.verdict) == (["0.8", "0.9"], "better")
     back = sc.tune(study_of(tmp_path, "a = 0.6, noise = 0.02", accuracy="[0.8, 0.9]"), ["a=0:0.3"], budget=37, trials=3)
     assert back.verdict == "worse"
     assert "There is no evidence that its values are worth anything" in back.text
@@ -257,17 +248,16 @@ def test_a_log_that_is_none_or_damaged_is_refused(args, tmp_path):
     sc.tune(*args, budget=13, trials=2, out=tmp_path / "a.toml")
     lines = log.read_text().splitlines(keepends=True)
     changed = lines[7].replace(lines[7].split(",")[2], "0.123")
-    for text, said in (
-        ("".join([*lines[:7], "nonsense\n", *lines[8:]]), r"a\.csv: has no evaluation, or is damaged"),
-        ("".join([lines[0], "a,b\n", *lines[2:]]), r"a\.csv: has no evaluation, or is damaged"),
-        ("".join(lines[:2]), r"a\.csv: has no evaluation, or is damaged"),
-        ("".join([*lines[:7], changed, *lines[8:]]), r"evaluation 5 has the values \(0.123, .* there and "),
-        ("x,y\n1,2\n", r"a\.csv: is no log of a search"),
-    ):
-        log.write_text(text)
+    damaged = r"a\.csv: has no evaluation, or is damaged"
+    for those, said in (
+        ([*lines[:7], "nonsense\n", *lines[8:]], damaged), ([lines[0], "a,b\n", *lines[2:]], damaged),
+        (lines[:2], damaged), (["x,y\n1,2\n"], r"a\.csv: is no log of a search"),
+        ([*lines[:7], changed, *lines[8:]], r"evaluation 5 has the values \(0.123, .* there and "),
+    ):  # fmt: skip
+        log.write_text("".join(those))
         with pytest.raises(InputError, match=said):
             sc.tune(*args, budget=25, trials=2, out=tmp_path / "a.toml")
-        assert log.read_text() == text
+        assert log.read_text() == "".join(those)
 
 
 def test_results_of_another_kind_are_never_replaced(args, tmp_path):
@@ -281,20 +271,17 @@ def test_results_of_another_kind_are_never_replaced(args, tmp_path):
 def test_robots_that_move_share_their_walks(tmp_path):
     """All candidates of a generation ride on the same walk, and come to what each would alone."""
     (tmp_path / "tunable.py").write_text(SOURCE)
-    study = sc.Study.parse(
-        'trials = 3\n[swarm]\nbrain = [{file = "tunable.py", a = 0.1}]\nrobots = 4\naccuracy = 1.0\n[world]\n'
-        'topology = "moving"\ndensity = 1\nfill_ratio = 0.5\n[schedule]\nticks = 20\n',
-        context={"base": tmp_path},
-    )
-    found = sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=2)
+    brain = [{"file": "tunable.py", "a": 0.1}]
+    world = {"topology": "moving", "density": 1, "fill_ratio": 0.5}
+    swarm = {"brain": brain, "robots": 4, "accuracy": 1.0}
+    text = to_toml({"trials": 3, "swarm": swarm, "world": world, "schedule": {"ticks": 20}})
+    found = sc.tune(sc.Study.parse(text, context={"base": tmp_path}), ["a=0:1"], budget=13, trials=2, jobs=2)
     errors = [(one.values[0] - 0.6) ** 2 for one in found.evaluations]
-    usual = errors[0]
-    assert [one.loss for one in found.evaluations] == pytest.approx([e / (e + usual) for e in errors])
+    assert [one.loss for one in found.evaluations] == pytest.approx([e / (e + errors[0]) for e in errors])
 
 
 def test_values_that_change_nothing_are_no_finding(tmp_path):
-    study = study_of(tmp_path, "a = 0.1")
-    found = sc.tune(study, ["a=0:1", "idle=0:10", "shift=0:1"], budget=121, trials=2)
+    found = sc.tune(study_of(tmp_path, "a = 0.1"), ["a=0:1", "idle=0:10", "shift=0:1"], budget=121, trials=2)
     assert found.values["a"] == pytest.approx(0.6, abs=0.05)
     assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
     assert found.notes[0] == "idle changes nothing in final_error, and stays at 1"
@@ -327,8 +314,6 @@ def test_threads_change_nothing_and_python_keeps_no_files(args, tmp_path):
 
 
 # ---- the log of a search is a results file of its own: what `show` and `plot` make of it, also while the search runs
-
-
 @pytest.fixture(scope="module")
 def log_of(tmp_path_factory):
     """A search with three generations, and the folder of its log, which is t.csv."""
@@ -346,8 +331,7 @@ def log(log_of, here):
 
 def test_the_dataset_has_every_candidate(log_of, log):
     found, data = log_of[0], candidates_in(log)
-    assert data.attrs[SEARCHED] == "final_error"
-    assert data.sizes == {"setting": 37, "trial": 1}
+    assert (data.attrs[SEARCHED], data.sizes) == ("final_error", {"setting": 37, "trial": 1})
     for k, name in enumerate(("a", "idle")):
         assert data[name].values.tolist() == [one.values[k] for one in found.evaluations]
     assert data["loss"].values[:, 0].tolist() == [one.loss for one in found.evaluations]
@@ -396,19 +380,20 @@ def test_lines_and_dots_are_those_of_the_log(log):
     assert lines.get_ylabel() == "best final error"
     assert dots.get_xscale() == "linear"  # as it was log_of
     assert sc.plot.scatter(data, x="idle").axes[0].get_xscale() == "log"
-    drawn = np.concatenate([d.get_xydata() for d in dots.lines if str(d.get_label()).startswith("dots ")])
-    assert sorted(map(tuple, drawn.tolist())) == sorted(
-        zip(data["a"].values.tolist(), data["final_error"].values[:, 0].tolist(), strict=True)
-    )
+    points = zip(data["a"].values.tolist(), data["final_error"].values[:, 0].tolist(), strict=True)
+    assert sorted(map(tuple, dots_in(dots).tolist())) == sorted(points)
+
+
+def dots_in(axes):
+    return np.concatenate([d.get_xydata() for d in axes.lines if str(d.get_label()).startswith("dots ")])
 
 
 def test_a_scatter_plot_of_trials_against_any_number():
     results = sc.run(small.study_of(robots=[5, 9], accuracy=0.8, rounds=10, fill_ratio=0.3))
     (axes,) = sc.plot.scatter(results, x="robots", y="final_error").axes
-    drawn = np.concatenate([d.get_xydata() for d in axes.lines if str(d.get_label()).startswith("dots ")])
     table = sc.frame(results).groupby(["robots", "trial"])["final_estimate"]
     expected = table.apply(lambda x: (x - 0.3).abs().median()).reset_index()
-    assert drawn == pytest.approx(expected[["robots", "final_estimate"]].to_numpy())
+    assert dots_in(axes) == pytest.approx(expected[["robots", "final_estimate"]].to_numpy())
     with pytest.raises(InputError, match="no numbers"):
         sc.plot.scatter(results, x="topology")
     with pytest.raises(InputError, match="goes with x"):
@@ -423,16 +408,13 @@ def test_the_command_draws_it_also_while_the_search_is_at_work(log, accepted):
     assert len(json.loads(accepted("show", "t.csv", "--json").out)["rows"]) == 17
 
 
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("plot t.csv --kind curves", "lines and scatter draw candidates"),
-        ("compare t.csv", "t.csv is the log of a search"),
-        ("show t.csv --sort lost", "did you mean 'loss'"),
-        ("plot t.csv --x b", "--x b: the coordinates that vary here are a, "),
-        ("show head.csv", "head.csv: has no evaluation"),
-    ],
-)
+@pytest.mark.parametrize(("command", "said"), [
+    ("plot t.csv --kind curves", "lines and scatter draw candidates"),
+    ("compare t.csv", "t.csv is the log of a search"),
+    ("show t.csv --sort lost", "did you mean 'loss'"),
+    ("plot t.csv --x b", "--x b: the coordinates that vary here are a, "),
+    ("show head.csv", "head.csv: has no evaluation"),
+])  # fmt: skip
 def test_what_a_log_has_not_is_refused(command, said, log, refused):
     Path("head.csv").write_bytes(b"".join(log.read_bytes().splitlines(keepends=True)[:1]))
     assert said in refused(*command.split())

@@ -12,10 +12,8 @@ from tests.support.options import with_usual
 from tests.support.second import changed
 
 LIAR = '''"""It says `goal` plus a bump: the lie is largest at at = 0.6."""
-
 PARAMETERS = {"at": 0.1, "idle": 1.0}
 KNOWS = ("t",)
-
 
 def lie(me, x):
     return max(1.0 - 2.0 * abs(me.at - 0.6), 0.0) if me.t > 0.0 else x
@@ -79,9 +77,8 @@ def test_worst_lie_is_found_and_written(here, refused, accepted):
     assert {path: path.read_bytes() for path in before} == before
     other = refused("tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml")
     assert "bump-worst.csv is of another search" in other
-    pasted = STUDY.replace(
-        re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], re.sub("(?m)^#.*\n", "", text)
-    )
+    members = re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0]
+    pasted = STUDY.replace(members, re.sub("(?m)^#.*\n", "", text))
     assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
 
 
@@ -92,25 +89,21 @@ def test_a_liar_that_does_no_more_harm_is_reported(here):
     assert "is better for the swarm than bump.py at=0.6" in found.sentences[0]
     assert "There is no evidence that its values are worth anything" in found.text
     flat = sc.tune("s.toml", ["idle=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
-    assert flat.verdict == "not compared"
-    assert flat.adversary == flat.before
+    assert (flat.verdict, flat.adversary) == ("not compared", flat.before)
 
 
 MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "changed", "said"),
-    [
-        ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
-        ("", "", ["--adversary", "always-white"], "--adversary always-white"),
-        ("", "", ["--parameter", "share=0:1"], "there is no 'share': the adversary 'bump.py' has at, idle"),
-        ("", "", ["--budget", "5"], "--budget 5"),
-        ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
-        ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members [0, 1] have it, and a search"),
-        ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("old", "new", "changed", "said"), [
+    ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
+    ("", "", ["--adversary", "always-white"], "--adversary always-white"),
+    ("", "", ["--parameter", "share=0:1"], "there is no 'share': the adversary 'bump.py' has at, idle"),
+    ("", "", ["--budget", "5"], "--budget 5"),
+    ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
+    ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members [0, 1] have it, and a search"),
+    ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
+])  # fmt: skip
 def test_what_cannot_be_is_one_sentence(old, new, changed, said, here, refused):
     Path("s.toml").write_text(STUDY.replace(old, new) if old else STUDY)
     assert said in refused(*TUNE[:2], *with_usual(changed, TUNE[2:]), *AT)
