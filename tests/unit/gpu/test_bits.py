@@ -129,9 +129,8 @@ def test_programs_are_for_all_parameters(card, monkeypatch):
     build = Emulator.build
     monkeypatch.setattr(Emulator, "build", lambda self, source: sources.append(source) or build(self, source))
     for memory in (20.0, 50.0):
-        study = networks("tracking").with_(
-            swarm={"brain": {"file": "tracking", "memory": memory}, "robots": 6, "accuracy": 0.8}
-        )
+        swarm = {"brain": {"file": "tracking", "memory": memory}, "robots": 6, "accuracy": 0.8}
+        study = networks("tracking").with_(swarm=swarm)
         card.compile_for([(study.settings()[0], False)], study.seed)
         assert differences(card, study) == []
     assert len(set(sources)) == 2  # of the rounds, and of what is measured
