@@ -38,8 +38,7 @@ class Hardware:
 
     def __post_init__(self) -> None:
         """Raise InputError for a wrong number, address or device, or if this machine should have a card."""
-        most = max(MOST_JOBS, cores())
-        if self.threads not in range(1, most + 1):
+        if self.jobs is not None and self.jobs not in range(1, (most := max(MOST_JOBS, cores())) + 1):
             should = f"should be 1 to {most:,} threads; more threads than cores ({cores()}) are not faster"
             raise wrong_option("jobs", self.jobs, should)
         if self.cluster is not None and "://" not in str(self.cluster):

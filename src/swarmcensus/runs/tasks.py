@@ -72,10 +72,11 @@ class Failure:
 
 @dataclass
 class ThreadBudget:
-    """The threads of a run, and the bundles that they have not finished."""
+    """The threads of a run, the bundles that they have not finished, and memory for their next trials."""
 
     jobs: int = 1
     unfinished: set[object] = field(default_factory=set)
+    spare: dict[tuple[int, ...], NDArray[np.float64]] = field(default_factory=dict)  # see `run_batch`
 
     def idle(self) -> int:
         """How many threads a bundle may use: those that have none are shared among all that have."""
@@ -282,11 +283,10 @@ def _run(
     with CROWDS if crowd else nullcontext():
         if task.kind == "ride":
             batches = run_ride(chosen, seed, task.first, metrics, stop)
-        elif stop[0]:
-            batches = None
         else:
             idle = (lambda: threads.jobs) if crowd else threads.idle
-            batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, idle)
+            given = chosen[0], seed, task.first, task.trials, metrics, stop, local, threads.spare, idle
+            batch = None if stop[0] else run_batch(*given)
             batches = None if batch is None else [batch] * len(chosen)
     return _pieces(task, batches or [], metrics)
 

@@ -33,7 +33,7 @@ class Walkers:
         self.kernel = compiler.compile_world("riding")
         self.start = np.empty((1, setting.robots))
         rounds = np.array(checkpoints, np.int64)
-        self.intervals = no_intervals() if truths is None else intervals_of(setting, rounds, truths(rounds), 1)
+        self.intervals = no_intervals() if truths is None else intervals_of(setting, rounds, truths, 1)
         self.tally = tally_of(setting, 1).of_trial(0)
         rows = np.empty((setting.rounds, setting.robots))
         with blaming(setting, self.trial):

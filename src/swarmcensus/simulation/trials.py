@@ -116,20 +116,22 @@ def run_batch(
     metrics: Metrics,
     stop: np.ndarray,
     local: bool = False,
+    spare: dict[tuple[int, ...], np.ndarray] | None = None,
     idle: Callable[[], int] = lambda: 1,
 ) -> Batch | None:
     """Run trials first ... first + trials - 1; None if `stop` (uint8, shape (1,)) was set meanwhile.
 
     With `local`, the metrics are of the local estimate by single observation. A trial of a large swarm is shared by as
-    many threads as are `idle`, to the same bits.
+    many threads as are `idle`, to the same bits. Estimates lie where those of trials before lay, in an array of `spare`
+    (by shape), because the system takes up to as long to clear new pages as robots take for their rounds.
     """
     if not (setting.members or setting.spread) and (local or not metrics.watched):
         given = inputs_of(setting, seed, first, trials, order=local)
-        return _live(setting, given, trials, metrics, stop, local, idle)
+        return _live(setting, given, trials, metrics, stop, local, spare, idle)
     batches = []
     for k in range(first, first + trials):  # metrics of files see one trial at a time, and trials differ in the others
         own = addresses.in_trial(setting, seed, k)
-        batch = _live(own, inputs_of(own, seed, k, order=local), 1, metrics, stop, local, idle)
+        batch = _live(own, inputs_of(own, seed, k, order=local), 1, metrics, stop, local, spare, idle)
         if batch is None:
             return None
         batches.append(batch)
@@ -138,7 +140,7 @@ def run_batch(
 
 def _live(
     setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool,
-    idle: Callable[[], int],
+    spare: dict[tuple[int, ...], np.ndarray] | None, idle: Callable[[], int],
 ) -> Batch | None:  # fmt: skip
     first = given.first
     looks = setting.observations_per_round
@@ -146,7 +148,7 @@ def _live(
     if local:  # nobody hears anything
         given = given._replace(radio=given.radio._replace(delay=0))
     delay = given.radio.delay
-    honest = given.honest[0] if given.honest.size else None
+    honest = given.honest[0] if given.honest.size else slice(None)
     with blaming(setting, first, trials):
         swarm = swarm_of(setting, given, "alone" if local else setting.use)
     # NumPy asks for huge pages where a large array wants them, Numba does not
@@ -155,14 +157,16 @@ def _live(
     kept = memory.nbytes + (outbox.nbytes + signals.nbytes if delay else 0)  # where a segment may be run again
     length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1)
     segments = -(-rounds // length)
-    states = states._replace(rows=np.empty((length, setting.robots)))
+    spare = {} if spare is None else spare
+    rows = spare.pop((length, setting.robots), None)  # of several threads one gets them, and others make their own
+    spare.clear()
+    states = states._replace(rows=np.empty((length, setting.robots)) if rows is None else rows)
     team = min(idle(), 4 * setting.robots // LARGE, swarm.of_block.size - 1) if is_shared(setting) else 1
     room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0, team)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)
     checkpoints = np.array(metrics.checkpoints, np.int64)
-    truths = setting.fill_ratios(checkpoints)
-    intervals = no_intervals(trials) if local else intervals_of(setting, checkpoints, truths, trials)
+    intervals = no_intervals(trials) if local else intervals_of(setting, checkpoints, setting.fill_ratios, trials)
     watched = () if local else metrics.watched
     watches = [Watch(m, setting, first, setting.fill_ratios, metrics.delta, metrics.bins) for m in watched]
     last = 2 * segments - 1
@@ -174,15 +178,13 @@ def _live(
             return None
         # before a metric fails because of them
         check_answers(setting, given, measures.wrong, tally.verdicts, intervals, local)
-        seen = states.rows[: rounds - begin * length]
-        if honest is not None and watches:
-            seen = np.ascontiguousarray(seen[:, honest])
         for watch in watches if begin < segments else ():
-            watch.see(seen, begin * length + 1)
-    del swarm, states, room, groups  # before there is more: for a large swarm these are nearly all of the memory
-    results = results_of(watches)
+            watch.see(np.ascontiguousarray(states.rows[: rounds - begin * length, honest]), begin * length + 1)
+    spare[states.rows.shape] = states.rows
+    del swarm, states, rows, room, groups  # before there is more: for a large swarm they take much memory
     batch = batch_of(setting, given, metrics, measures, tally, intervals.sure.transpose(1, 2, 0))
-    return replace(batch, watched=results, networks=None if local else networks_of(setting, given.links, trials))
+    networks = None if local else networks_of(setting, given.links, trials)
+    return replace(batch, watched=results_of(watches), networks=networks)
 
 
 def batch_of(
@@ -308,8 +310,7 @@ def _joined(batches: Sequence[Batch]) -> Batch:
 @functools.lru_cache(maxsize=256)
 def bins_at(fill_ratio: float, change: Change | None, checkpoints: tuple[int, ...], bins: int) -> np.ndarray:
     """The ends of the right bins at checkpoints, (checkpoint, 2); they are only read."""
-    course = change.course if change else steady(fill_ratio)
-    return right_bins(along(course, checkpoints), bins)
+    return right_bins(along(change.course if change else steady(fill_ratio), checkpoints), bins)
 
 
 @interruptible

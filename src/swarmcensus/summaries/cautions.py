@@ -56,11 +56,11 @@ def settled_far_off(data: xr.Dataset, *, opinions: bool = False) -> NDArray[np.b
     names = ("convergence_round", "final_disagreement", "error_90")
     if {"delta", "truth"} - {*data.attrs} or any(measures.missing_inputs(data, name) for name in names):
         return np.zeros(data.sizes["setting"], np.bool_)
-    late, *far = (centres(measures.numbers(data, name), "median") for name in names)
-    misleads = (late > 0) & (late <= EARLY * data["rounds"].values)
+    found = (centres(measures.numbers(data, name), "median") for name in names)
+    misleads = ((late := next(found)) > 0) & (late <= EARLY * data["rounds"].values)
     if "decision" in data and not opinions:
         misleads &= data["decision"].isnull().all(("trial", "robot")).values
-    return np.asarray(misleads & (np.maximum(*far) > FAR * float(data.attrs["delta"])))
+    return np.asarray(misleads & (misleads.any() and np.maximum(*found) > FAR * float(data.attrs["delta"])))
 
 
 def cautions_of_settling(data: xr.Dataset) -> list[str]:

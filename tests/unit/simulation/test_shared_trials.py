@@ -60,13 +60,13 @@ QUICK = ("2-9-False-full", "2-9-False-silent sums")
 @pytest.mark.long(but=[*QUICK, "3-2-True-ring"])
 @pytest.mark.parametrize(("count", "rows", "local", "name"), WAYS)
 def test_threads_that_share_a_trial_give_its_bits(count, rows, local, name, monkeypatch):
-    """However many they are, and where rounds run again for their curves."""
+    """However many they are, where rounds run again for their curves, and where estimates of others were before."""
     given = {"robots": MANY, "rounds": 5, "looks": 2} | WORLDS[name]
     (setting,) = settings_of(**given)
     monkeypatch.setattr(trials, "segment_length", lambda *_: rows * (given["looks"] if local else 1))
     runs = 1 if name == "pairs" else 2
-    measure = Metrics(0.3, 7, (1, 2, given["rounds"]), estimates=True)
-    alone, shared = (run_batch(setting, SEED, 1, runs, measure, GO, local, idle=lambda n=n: n) for n in (1, count))
+    measure, spare = Metrics(0.3, 7, (1, 2, given["rounds"]), estimates=True), {}
+    alone, shared = (run_batch(setting, SEED, 1, runs, measure, GO, local, spare, lambda n=n: n) for n in (1, count))
     for variable, values in measured(alone).items():
         assert np.array_equal(values, measured(shared)[variable], equal_nan=True), variable
 
