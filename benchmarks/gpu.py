@@ -131,7 +131,7 @@ def kernels(timed, study):
 def gpu(check=False, studies=30, emulated=False, quick=False):
     """Print the table, or with `check` whether the bits of so many random studies are those of the CPU."""
     try:
-        driver = Emulator() if emulated else open_driver()
+        driver = Emulator(level="-O1") if emulated else open_driver()
     except CardError as error:
         sys.exit(f"benchmarks/gpu.py: {error}")
     quick |= emulated and not check
