@@ -216,7 +216,7 @@ def table(name, title, rows):
     found, lines = [], []
     for row in rows:
         cells = [cell if isinstance(cell, str) else f"{cell:.3g}" for cell in row.values()]
-        widths = [64, *(max(len(key), 21 if "best" in key else 9) + 2 for key in list(row)[1:])]
+        widths = [68, *(max(len(key), 21 if "best" in key else 9) + 2 for key in list(row)[1:])]
         new = [cells] if found else [list(row), cells]
         for line in new:
             print("".join(map(str.ljust, line, widths)), flush=True)
