@@ -45,12 +45,13 @@ FAULTS = {
     "half fail at 101": [{"at": 101, "robots": 0.5} | FAILS],
     "half fail at 251": [{"at": 251, "robots": 0.5} | FAILS],
     "a tenth fails at 251": [{"at": 251, "robots": 0.1} | FAILS],
-    "half are silent from 251": [{"at": 251, "robots": 0.5, "stop": "talking"}],
+    "half pause at 101": [{"at": 101, "until": 201, "robots": 0.5, "stop": "talking"}],
+    "the hub pauses at 101": [{"at": 101, "until": 201, "robots": {"named": [0]}, "stop": "talking"}],
     "a third is silent from 301": [{"at": 301, "robots": 1 / 3, "stop": "talking"}],
 }
 WORDS = {
     "robots": "N = ", "accuracy": "b = ", "fill_ratio": "f = ", "link_success": "links ", "message_delay": "late ",
-    "density": "D = ", "share": "share ",
+    "density": "D = ", "share": "share ", "rounds": "rounds ",
 }  # fmt: skip
 MAIN = ["ring", "scale-free", "full"]
 SPARSE = ["ring", "tree", "small world"]
@@ -65,33 +66,41 @@ FIXED = (
     {"topology": [*SPARSE, "full"], "message_delay": 10},
     SLOW | {"accuracy": [0.525, 0.875]},
     SLOW | {"accuracy": 0.875, "floor": [{"clusters": 0.4}, {"stripes": 0.5}]},
-    {"topology": ["random-geometric", "grid", "torus", "small-world"], "accuracy": 0.7, "fill_ratio": 0.35},
+    {"topology": ["torus", "small-world"], "accuracy": 0.7, "fill_ratio": 0.35},
+    {"topology": "random-geometric", "robots": [60, 100], "accuracy": 0.75},
     {"topology": ["ring", "full"], "robots": [5, 200], "accuracy": 0.7},
     {"topology": ["line", "tree", "grid"], "robots": 30, "accuracy": 0.7},
     {"topology": ["ring", "tree", "scale-free", "torus"], "robots": 300, "accuracy": 0.7},
     {"topology": MIXED, "robots": 50, "accuracy": 0.75, "fill_ratio": [0.02, 0.2, 0.98]},
     {"topology": MAIN[:2], "robots": 50, "accuracy": [{"black": 0.9, "white": 0.6}, {"black": 0.2, "white": 0.3}]},
-    {"topology": "full", "robots": 50, "accuracy": 0.75, "link_success": 0.1},
     {"topology": "scale-free", "accuracy": 0.7, "link_success": 0.5},
     {"topology": ["scale-free", "full"], "accuracy": 0.7, "message_delay": 20},
     {"topology": MIXED, "faults": "half join at 201"},
     {"topology": "ring", "faults": "half fail at 101"},
-    {"topology": MAIN[:2], "faults": ["half fail at 251", "a tenth fails at 251", "half are silent from 251"]},
-    {"topology": "star", "robots": [20, 50, 100]},
+    {"topology": MAIN[:2], "faults": ["half fail at 251", "a tenth fails at 251"]},
+    {"topology": ["ring", "torus", "grid"], "robots": 25, "accuracy": 0.75, "faults": "half pause at 101"},
+    {"topology": "star", "robots": 20, "accuracy": 0.75, "faults": "the hub pauses at 101"},
+    {"topology": "star", "robots": [20, 100]},
     {"topology": "two hubs", "robots": 50},
     {"topology": MAIN, "message": ["ratio16", "ratio8"]},
     {"topology": MIXED, "robots": 30, "accuracy": 0.55, "members": "two good"},
     {"topology": ["ring", "full"], "robots": 50, "accuracy": 0.75, "members": "half useless"},
 )
 FIFTY = {"robots": 50, "accuracy": 0.75}
+SOON = {"accuracy": 0.7, "fill_ratio": (0.75, 0.55, 101), "rounds": 300}
 FALL = {"fill_ratio": (0.75, 0.45, 301)}
 MOVING = {"topology": "moving", "ticks": 4000}
 STRIPES = MOVING | {"density": 5, "floor": {"stripes": 0.5}}
-JUMPS = [(0.85, 0.05, 301), (0.75, 0.55, 301), (0.65, 0.55, 301), (0.6, 0.55, 301), (0.8, 0.2, 301, 900)]
+JUMPS = [(0.75, 0.55, 301), (0.65, 0.55, 301), (0.6, 0.55, 301), (0.8, 0.2, 301, 900)]
 CHANGING = (
     {"topology": MAIN, "fill_ratio": JUMPS},
     {"topology": "full", "robots": [10, 20], "fill_ratio": (0.6, 0.55, 301)},
-    {"topology": "scale-free", "robots": [20, 50, 100], "fill_ratio": (0.55, 0.45, 301)},
+    {"topology": "scale-free", "robots": [20, 100], "fill_ratio": (0.55, 0.45, 301)},
+    {"topology": "star", "robots": [10, 20]} | SOON,
+    {"topology": "full", "robots": 3} | SOON,
+    {"topology": "ring", "robots": 5} | SOON,
+    {"topology": ["ring", "small world"], "robots": 30, "link_success": 0.5} | SOON,
+    {"topology": "full", "robots": 20, "accuracy": {"start": 0.6, "drift": 0.001, "most": 0.9}, "rounds": 300},
     {"topology": MAIN[:2], "fill_ratio": (0.75, 0.35, 301), "link_success": 0.2},
     MOVING | {"density": [1, 10], "fill_ratio": [(0.85, 0.25, 1201), (0.65, 0.55, 1201)]},
     {"topology": MAIN[:2], "message_delay": 10} | FALL,
@@ -147,9 +156,9 @@ def word(key, value):
 
 def errors_of(world, brains, trials, points=(), seed=SEED):
     """By brain: errors of honest robots at points or the last round (point, trial, robot), and means of all rounds."""
-    keys = {"robots": 100, "accuracy": 0.625, "fill_ratio": 0.55, "ticks": None} | world
+    keys = {"robots": 100, "accuracy": 0.625, "fill_ratio": 0.55, "ticks": None, "rounds": 1000} | world
     swarm = {"robots": keys.pop("robots"), "accuracy": keys.pop("accuracy"), "brain": list(brains.values())}
-    ticks, faults = keys.pop("ticks"), FAULTS.get(keys.pop("faults", None), [])
+    ticks, rounds, faults = keys.pop("ticks"), keys.pop("rounds"), FAULTS.get(keys.pop("faults", None), [])
     members, share = MEMBERS.get(keys.pop("members", None), []), keys.pop("share", 0.2)
     if "liars" in keys:
         members = [{"robots": share, "brain": LIARS[keys.pop("liars")], "honest": False}]
@@ -161,8 +170,8 @@ def errors_of(world, brains, trials, points=(), seed=SEED):
         keys["topology"] = GRAPHS.get(keys["topology"], keys["topology"])
     if isinstance(keys["fill_ratio"], tuple):
         keys["fill_ratio"] = dict(zip(("from", "to", "at", "until"), keys["fill_ratio"], strict=False))
-    schedule = {"ticks": ticks} if ticks else {"rounds": 1000, "observations_per_round": 10}
-    measure = {"estimates": True, "checkpoints": list(points) or [ticks or 1000], "metrics": ["mean-error"], "bins": 2}
+    schedule = {"ticks": ticks} if ticks else {"rounds": rounds, "observations_per_round": 10}
+    measure = {"estimates": True, "checkpoints": [*points] or [ticks or rounds], "metrics": ["mean-error"], "bins": 2}
     tables = {"swarm": swarm, "members": members, "world": keys, "faults": faults, "schedule": schedule}
     study = sc.Study(trials=trials, seed=seed, **tables, measure=measure)
     with warnings.catch_warnings(action="ignore"):  # where a shouter leaves no number
@@ -207,7 +216,7 @@ def table(name, title, rows):
     found, lines = [], []
     for row in rows:
         cells = [cell if isinstance(cell, str) else f"{cell:.3g}" for cell in row.values()]
-        widths = [64, *(max(len(key), 21 if "best" in key else 9) + 2 for key in list(row)[1:])]
+        widths = [68, *(max(len(key), 21 if "best" in key else 9) + 2 for key in list(row)[1:])]
         new = [cells] if found else [list(row), cells]
         for line in new:
             print("".join(map(str.ljust, line, widths)), flush=True)

@@ -11,7 +11,7 @@ from swarmcensus.support.files import shipped_study
 from swarmcensus.support.toml_text import to_toml
 
 BRAINS = {  # and where another is better
-    "census": "robots that may lie, black in large patches, or small changes",
+    "census": "robots that may lie, black in large patches, small or early changes, or radios that pause",
     "commons": "robots that may lie, or a floor that changes",
     "steadfast": "black in large patches, or poor sensors and little time",
     "minimalistic": "a small error of all robots",

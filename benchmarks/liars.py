@@ -114,8 +114,8 @@ def insider(**lie):
 
 
 INSIDERS = [
-    insider(lean=1.5, from_r=3.5, second=2.5),
-    insider(lean=3.0, from_r=3.5, second=2.5),
+    insider(corner=1.5, from_r=5.0, second=1000.0, weight=1000.0),  # pulls R as far as it can
+    insider(corner=2.2, from_r=5.0, second=1000.0, weight=1000.0, sides=1),
     insider(lean=1.5, from_r=3.5, second=2.5, sides=1),
     insider(lean=3.0, from_r=3.5, second=2.5, sides=1),
     insider(lean=3.1, from_r=4.5, second=2.5, sides=1, weight=10.7),
@@ -131,7 +131,8 @@ LOSSES = {"topology": ["full", "ring", "torus"], "robots": 25, "link_success": [
 PLACES = [
     {"topology": ["full", "ring"], "robots": [4, 5, 10, 20, 50]},
     {"topology": "torus", "robots": [9, 25, 49]},
-    {"topology": "scale-free", "robots": [5, 10, 20, 50]},
+    {"topology": "scale-free", "robots": [4, 5, 10, 20, 50]},
+    {"topology": "line", "robots": 8},
     LOSSES,
     MOVING | {"robots": [10, 20], "ticks": 3000},
 ]
