@@ -105,7 +105,8 @@ class Frames(Standings):
         """A pandas table with a row for each measure and pair: the share of common worlds in which one is ahead.
 
         `ahead` is the share of worlds in which `one` is better, minus the share in which it is worse, averaged over
-        trials. The test is the signed-rank test over trials. A measure has no rows unless all contenders have met
+        trials. The test is the signed-rank test over trials, or that of the mean by empirical likelihood if its p is
+        larger. A measure has no rows unless all contenders have met
         several worlds.
         """
         import pandas as pd
