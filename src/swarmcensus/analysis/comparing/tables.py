@@ -49,7 +49,8 @@ class Frames(Standings):
     def pairs(self) -> "pd.DataFrame":
         """A pandas table with a row for each measure, world and pair of contenders: the difference `one` - `other`.
 
-        `difference` is the median of paired differences, the difference of medians of others, or that of means, in the
+        `one_value` and `other_value` are medians over all robots of all trials, or means. `difference` is of trials'
+        medians: the median of paired differences, the difference of medians of others, or that of means, in the
         measure's `unit`, with the ends of its 95 % interval. `superiority` is the probability that `one` is better in a
         random trial, where equal ones count one half, with the ends of its interval. `effect` is the rank-biserial
         correlation, above 0 if `one` is better. `p` is the p-value of the `test`, which is "signed-rank" for paired
