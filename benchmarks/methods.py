@@ -137,7 +137,7 @@ def verdicts(seed=1, quick=False):
         for name, draw in kinds.items():
             cells = []
             for n in trials:
-                drawn = draw(np.random.default_rng([seed, n]), (rows if kinds is OFF else rows // 10, n))
+                drawn = draw(np.random.default_rng([seed, n]), (rows if kinds is OFF else rows // 20, n))
                 over = paired_tests if kinds is OFF else mean_tests
                 p = over(drawn).p if kinds is OFF or name.startswith("over") else effects(drawn)
                 cells.append(f"{share(p):.1f} ({share(signed_ranks(drawn).p):.1f})")

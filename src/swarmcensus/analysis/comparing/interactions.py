@@ -262,7 +262,7 @@ def _estimate(sample: Floats, level: float) -> Estimate:
 def _p_of_mean(found: Callable[[float], tuple[float, float, float]]) -> float:
     """The p-value of which the interval just holds 0; 0 if there is no interval."""
     least, most = -15.0, 0.0  # powers of ten
-    for _ in range(30):
+    for _ in range(20):
         power = (least + most) / 2
         _, low, high = found(1 - 10**power)
         least, most = (power, most) if low <= 0.0 <= high else (least, power)
