@@ -5,6 +5,7 @@ beside the power of the paired t-test, and how often intervals hold the truth. P
 Tuning: how far from the best values a search ends. Seeds are fixed; the error of shares is stated.
 """
 
+import itertools
 import math
 import time
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.analysis.comparing.interactions import _difference
 from swarmcensus.analysis.comparing.pair_tests import ContestInput, contests
 from swarmcensus.brains import parse
 from swarmcensus.runs import Hardware
@@ -25,7 +27,7 @@ from swarmcensus.search.tuning.plans import COMPANIONS, plan_of
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.intervals import share_interval
-from swarmcensus.support.significance import paired_tests, signed_ranks
+from swarmcensus.support.significance import mean_tests, paired_tests, signed_ranks
 
 # ---- comparing
 
@@ -87,57 +89,83 @@ def power(seed=1):
     harness.show(out)
 
 
-@harness.question
-def unlike(seed=1):
-    """Contenders whose medians are equal, and whose distributions are not."""
-    out = harness.table("told apart though medians are equal, in %", "trials are", *(f"{n} trials" for n in TRIALS))
-    drawn = {
-        "normal, one spread threefold": lambda r, shape: (r.normal(size=shape), 3 * r.normal(size=shape)),
-        "one normal, one exponential": lambda r, shape: (
-            r.normal(size=shape), r.exponential(size=shape) - math.log(2)
-        ),
-    }  # fmt: skip
-    for name, draw in drawn.items():
-        cells = []
-        for trials in TRIALS:
-            one, other = draw(np.random.default_rng([seed, trials]), (ROWS, trials))
-            cells.append(f"{100 * (paired_tests(one - other).p <= 0.05).mean():.1f}")
-        out.add_row(name, *cells)
-    harness.show(out)
-
-
 OFF = {  # differences with median 0
     "normal": lambda random, shape: random.normal(size=shape),
     "Student's t of 3": lambda random, shape: random.standard_t(3, shape),
     "exponential": lambda random, shape: random.exponential(size=shape) - math.log(2),
     "log-normal": lambda random, shape: np.exp(random.normal(size=shape)) - 1,
-    "log-normal, 1.5": lambda random, shape: np.exp(1.5 * random.normal(size=shape)) - 1,
+    "log-normal, 2": lambda random, shape: np.exp(2 * random.normal(size=shape)) - 1,
 }
+
+
+def ahead(random, worlds, shape):
+    """The share of worlds in which one is ahead, minus that behind: in a tenth of trials all; 0 in the mean."""
+    return np.where(random.random(shape) < 0.1, 1.0, 2 * random.binomial(worlds, 4 / 9, shape) / worlds - 1)
+
+
+MEANS = {  # numbers with mean 0: of trials over all worlds, and differences of effects
+    "over 12 worlds": lambda random, shape: ahead(random, 12, shape),
+    "over 36 worlds": lambda random, shape: ahead(random, 36, shape),
+    "normal": OFF["normal"],
+    "exponential": lambda random, shape: random.exponential(size=shape) - 1,
+    "log-normal": lambda random, shape: np.exp(random.normal(size=shape)) - math.exp(0.5),
+    "one in ten far off": lambda random, shape: (
+        np.where(random.random(shape) < 0.1, 9, -1) + random.normal(0, 0.2, shape)
+    ),
+}
+
+
+def effects(off):
+    """The p-values of differences of effects, from the differences of trials."""
+    four = np.zeros((2, 2, *off.shape))
+    four[0, 0] = off
+    return np.array([_difference(four[:, :, study], True, True)[1].p for study in range(len(off))])
+
+
+def share(p, level=0.05):
+    """How often, in percent, p is small enough."""
+    return 100 * (p <= level).mean()
 
 
 @harness.question
 def verdicts(seed=1, quick=False):
-    """Paired differences of which half are on either side: false verdicts; and the power that the sign test costs."""
-    rows, trials = ROWS // 20 if quick else ROWS, (10, 20, 30, 60, 100, 200)
-    out = harness.table("false verdicts, in % (by ranks alone)", "differences", *(f"{n} trials" for n in trials))
-    for name, draw in OFF.items():
-        drawn = [draw(np.random.default_rng([seed, n]), (rows, n)) for n in trials]
-        shares = [[100 * (test(one).p <= 0.05).mean() for test in (paired_tests, signed_ranks)] for one in drawn]
-        out.add_row(name, *(f"{both:.1f} ({alone:.1f})" for both, alone in shares))
-    harness.show(out)
+    """Differences that are 0 in the median, or mean: false verdicts; and the power that tests beside ranks cost."""
+    rows, trials = ROWS // 20 if quick else ROWS, (15, 20, 30, 40, 100, 200)
+    for kinds, of in ((OFF, "medians"), (MEANS, "means")):
+        head = f"false verdicts where {of} are 0, in % (by ranks alone)"
+        out = harness.table(head, "differences", *(f"{n} trials" for n in trials))
+        for name, draw in kinds.items():
+            cells = []
+            for n in trials:
+                drawn = draw(np.random.default_rng([seed, n]), (rows if kinds is OFF else rows // 20, n))
+                over = paired_tests if kinds is OFF else mean_tests
+                p = over(drawn).p if kinds is OFF or name.startswith("over") else effects(drawn)
+                cells.append(f"{share(p):.1f} ({share(signed_ranks(drawn).p):.1f})")
+            out.add_row(name, *cells)
+        harness.show(out)
     title = "most power lost, in points (mean over effects, in % of that of ranks alone)"
-    out = harness.table(title, "tests", *(f"{n} trials" for n in trials))
-    for tests in (1, 36):
-        lost = []
+    out = harness.table(title, "tests", "beside ranks", *(f"{n} trials" for n in trials))
+    beside = {
+        "number of trials": lambda off, level: share(paired_tests(off).p, level),
+        "best for any skew": lambda off, level: 100 * sign_test(off, level).mean(),
+        "mean": lambda off, level: share(mean_tests(off).p, level),
+    }
+    for tests, (name, power) in itertools.product((1, 36), beside.items()):
+        cells = []
         for n in trials:
             drawn = [np.random.default_rng([seed, n]).normal(off, 1, (rows // 10, n)) for off in np.arange(0.1, 2, 0.1)]
-            alone, both = (
-                np.array([(tests * test(one).p <= 0.05).mean() for one in drawn])
-                for test in (signed_ranks, paired_tests)
-            )
-            lost.append(f"{100 * (alone - both).max():.1f} ({100 * (alone - both).sum() / max(alone.sum(), 1):.1f})")
-        out.add_row(str(tests), *lost)
+            alone = np.array([share(signed_ranks(off).p, 0.05 / tests) for off in drawn])
+            lost = alone - [power(off, 0.05 / tests) for off in drawn]
+            cells.append(f"{lost.max():.1f} ({100 * lost.sum() / max(alone.sum(), 1):.1f})")
+        out.add_row(str(tests), name, *cells)
     harness.show(out)
+
+
+def sign_test(off, level):
+    """The chance to find each row by the most powerful test of this level for any skew: one-sided, of signs alone."""
+    ahead, tossed = (off > 0).sum(axis=1), stats.binom(off.shape[1], 0.5)
+    beyond = int(tossed.isf(level))
+    return (ahead > beyond) + (ahead == beyond) * (level - tossed.sf(beyond)) / tossed.pmf(beyond)
 
 
 @harness.question

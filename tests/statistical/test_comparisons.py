@@ -96,12 +96,8 @@ def power(off, trials, tables=20_000):
     return told.mean()
 
 
-@pytest.mark.long(but=["1.0"])
-@pytest.mark.parametrize("off", [0.5, 1.0, 1.5])
-def test_power_of_six_trials(off):
-    side = stats.norm.cdf(off)
-    expected = side**6 + (1 - side) ** 6
-    assert abs(power(off, 6) - expected) < 3.3 * math.sqrt(expected * (1 - expected) / 20_000)
+def within(share, expected, tries=20_000):
+    return abs(share - expected) < 3.3 * math.sqrt(expected * (1 - expected) / tries)
 
 
 @pytest.mark.long(only=["0.9-15"])
@@ -118,14 +114,13 @@ def test_power_is_near_that_of_the_paired_t_test(off, trials):
 
 
 @pytest.mark.long(but=["30-exponential", "30-normal"])
-@pytest.mark.parametrize("kind", ["normal", "Student's t of 3", "exponential", "log-normal", "two slopes"])
+@pytest.mark.parametrize("kind", ["normal", "exponential", "log-normal", "two slopes"])
 @pytest.mark.parametrize("trials", [10, 30, 200])
 def test_false_verdicts_where_each_is_as_often_ahead(kind, trials):
-    """At most 6 % of 2,000 studies of differences with median 0, symmetric or skewed; ranks alone find up to 73 %."""
+    """About 5 % of 2,000 studies of differences with median 0, symmetric or skewed; ranks alone find up to 73 %."""
     random, shape = np.random.default_rng(21), (2000, trials)
     off = {
         "normal": lambda: random.normal(size=shape),
-        "Student's t of 3": lambda: random.standard_t(3, shape),
         "exponential": lambda: random.exponential(size=shape) - math.log(2),
         "log-normal": lambda: np.exp(random.normal(size=shape)) - 1,
         "two slopes": lambda: random.exponential(size=shape) * random.choice([-1.0, 1.5], shape),
@@ -134,6 +129,17 @@ def test_false_verdicts_where_each_is_as_often_ahead(kind, trials):
     assert (found.tests.p <= 0.05).mean() <= 0.06
     if kind in ("exponential", "log-normal") and trials >= 30:
         assert (signed_ranks(off).p <= 0.05).mean() > 0.1  # the test would notice if ranks were asked alone
+
+
+def test_false_verdicts_over_worlds_where_each_is_as_often_ahead():
+    """In a tenth of trials the first is ahead in all of 12 worlds, in others in 4 of 9: on average in half of them."""
+    random, alarms, by_ranks, studies = np.random.default_rng(23), 0, 0, 150
+    for _ in range(studies):
+        ahead = (random.random(100) < 0.1) | (random.random((12, 100)) < 4 / 9)
+        [found] = judged(np.stack([1.0 - ahead, np.full(ahead.shape, 0.5)], axis=1)[np.newaxis])
+        alarms += found.duels_apart.item()
+        by_ranks += signed_ranks(2 * ahead.mean(axis=0) - 1).p <= 0.05
+    assert alarms <= stats.binom.ppf(0.999, studies, 0.05) < by_ranks
 
 
 @pytest.mark.long

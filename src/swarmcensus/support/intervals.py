@@ -74,8 +74,7 @@ def interval(statistic: Floats, level: float = LEVEL) -> tuple[float, float, flo
 
     The interval is NaN if any resample is NaN.
     """
-    tail = (1 - level) / 2
-    low, high = np.quantile(statistic[1:], [tail, 1 - tail])
+    low, high = np.quantile(statistic[1:], [(1 - level) / 2, 1 - (1 - level) / 2])
     return float(statistic[0]), float(low), float(high)
 
 
@@ -150,10 +149,8 @@ def expected_share(by_trial: Floats) -> float:
     6 trials or more.
     """
     share = float(by_trial.mean())
-    if share == 1.0:
-        return 1.0
     tries = tries_of(by_trial, LEVEL)
-    return (tries * share + 0.5) / (tries + 1.0)
+    return (tries * share + 0.5) / (tries + 1.0) if share < 1.0 else 1.0
 
 
 def _normal(level: float) -> float:
@@ -194,8 +191,7 @@ def _mean_ends(by_trial: Floats, level: float) -> tuple[float, float]:
     """
     trials, mean = len(by_trial), float(by_trial.mean())
     if _equal(by_trial):
-        half = _unseen(trials, level)
-        return mean - half, mean + half
+        return mean - _unseen(trials, level), mean + _unseen(trials, level)
     error = float(by_trial.std(ddof=1)) / math.sqrt(trials)
     skew = float(((by_trial - mean) ** 3).mean() / by_trial.std() ** 3) / math.sqrt(trials)
 

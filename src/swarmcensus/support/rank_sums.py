@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, Floats, student, student_p
-from swarmcensus.support.significance import KEPT_BITS, RankTest, differences, midranks
+from swarmcensus.support.significance import KEPT_BITS, STEPS, RankTest, differences, midranks
 
 EXACT = 60  # p is exact up to this number of values in both samples
-STEPS = 60  # of bisection
 
 
 def rank_sums(first: Floats, second: Floats) -> RankTest:
@@ -59,9 +58,7 @@ def _p_of_unequal(first: Floats, second: Floats) -> float:
     if min(first.size, second.size) < 2:
         return 0.0
     chance, squared, freedom = _placements(first, second)
-    if not squared > 0.0:
-        return 0.0
-    return student_p((chance - 0.5) ** 2 / squared, max(freedom, 2.0))
+    return student_p((chance - 0.5) ** 2 / squared, max(freedom, 2.0)) if squared > 0.0 else 0.0
 
 
 def _p(weights: NDArray[np.int64], size: int) -> float:
@@ -73,10 +70,8 @@ def _p(weights: NDArray[np.int64], size: int) -> float:
         least, unit, chances = _sums(np.sort(weights).tobytes(), size)
         place = (seen - least) // unit
         return min(1.0, 2 * float(min(chances[: place + 1].sum(), chances[place:].sum())))
-    middle, repeats = size * (total + 1), np.unique(weights, return_counts=True)[1].astype(float)
-    ties = float((repeats**3 - repeats).sum()) / (total * (total - 1))
-    spread = math.sqrt(size * (total - size) * (total + 1 - ties) / 3)  # of twice the sum of ranks
-    return min(1.0, 2 * NormalDist().cdf(-max(0.0, abs(seen - middle) - 1) / spread))
+    spread = math.sqrt(size * (total - size) / (total - 1)) * float(weights.std())  # of the sum
+    return min(1.0, 2 * NormalDist().cdf(-max(0.0, abs(seen - size * (total + 1)) - 1) / spread))
 
 
 @functools.lru_cache(maxsize=256)

@@ -18,11 +18,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.support.intervals import ROUNDING, Floats
+from swarmcensus.support.intervals import ROUNDING, Floats, student_p
 
 EXACT = 64  # p is exact up to this number of non-zero differences, for which there are 2^64 sign patterns
 PERMUTATIONS = 9999  # of ranks within trials, in Friedman's test
 SEED = 2023
+STEPS, TINY = 60, 1e-99  # of bisection, and beyond what ends it
 KEPT_BITS = 2.0**30  # of a difference; differences that agree to nine digits are tied
 
 
@@ -32,11 +33,9 @@ def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
     The chance that any true null hypothesis has a corrected p-value of `a` or less is at most `a`, whatever the
     dependence between the tests.
     """
-    flat = p.ravel()
-    known = np.flatnonzero(~np.isnan(flat))
-    order = known[np.argsort(flat[known], kind="stable")]
-    corrected = np.full(flat.size, np.nan)
-    steps = flat[order] * np.arange(order.size, 0, -1)
+    order = np.argsort(p, axis=None, kind="stable")[: (~np.isnan(p)).sum()]  # NaN last
+    corrected = np.full(p.size, np.nan)
+    steps = p.ravel()[order] * np.arange(order.size, 0, -1)
     corrected[order] = np.minimum(1.0, np.maximum.accumulate(steps))
     return corrected.reshape(p.shape)
 
@@ -131,6 +130,22 @@ def paired_tests(off: Floats) -> RankTest:
     return tests._replace(p=np.maximum(tests.p.ravel() ** (1 / np.maximum(r, 0.5)), signs).reshape(tests.p.shape))
 
 
+def mean_tests(off: Floats) -> RankTest:
+    """`signed_ranks` of rows (row, trial) without NaN; `p` is at least that of their mean.
+
+    The mean of skewed numbers may be 0 although their ranks differ. Its p is that of the empirical likelihood ratio
+    (Owen, 1988) as the square of Student's t: no weights of numbers on one side of 0 make their mean 0.
+    """
+    ends = -1 / np.stack([off.max(axis=1, initial=TINY), off.min(axis=1, initial=-TINY)])
+    for _ in range(STEPS):
+        tilt = ends.mean(axis=0)[:, np.newaxis]
+        below = (off / (1 + tilt * off)).sum(axis=1) > 0.0
+        ends = np.where([below, ~below], tilt[:, 0], ends)
+    ratios, tests = 2 * np.log1p(tilt * off).sum(axis=1), signed_ranks(off)
+    found = [student_p(max(ratio, 0.0), max(off.shape[1] - 1, 2)) for ratio in ratios.tolist()]
+    return tests._replace(p=np.maximum(tests.p, found))
+
+
 def tails(weights: Counts, least: Counts) -> Floats:
     """The chance that a random subset of the weights (row, trial) of a row has a sum of `least` (row,) or less.
 
@@ -139,8 +154,8 @@ def tails(weights: Counts, least: Counts) -> Floats:
     chances, positive = np.ones(len(weights)), weights > 0
     many = positive.sum(axis=1) > EXACT
     middle, spread = weights[many].sum(axis=1) / 2, np.sqrt((weights[many] ** 2).sum(axis=1)) / 2
-    step = np.gcd.reduce(weights[many], axis=1) / 2  # half the smallest step between sums
-    z = np.minimum(least[many] + step - middle, 0.0) / spread
+    # half the smallest step between sums is the correction for continuity
+    z = np.minimum(least[many] + np.gcd.reduce(weights[many], axis=1) / 2 - middle, 0.0) / spread
     chances[many] = [NormalDist().cdf(score) for score in z.tolist()]
     for row in np.flatnonzero(~many & positive.any(axis=1)).tolist():
         unit, up_to = _sums(np.sort(weights[row][positive[row]]).tobytes())

@@ -280,7 +280,7 @@ def test_too_few_trials_are_said_as_compare_says_it(draw):
 
 def test_ranks_say_which_test_a_bar_shows(draw):
     written = " ".join(" ".join(text for text, _ in shown(draw("ranks", width="column", metric="final_error"))).split())
-    assert "A bar joins those that tests of pairs (signed ranks, corrected) do not tell apart" in written
+    assert "A bar joins those that tests of pairs (corrected) do not tell apart" in written
     assert "Friedman's test: p < 0.001" in written
 
 

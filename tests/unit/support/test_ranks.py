@@ -22,6 +22,7 @@ from swarmcensus.support.significance import (
     friedman,
     groups,
     holm,
+    mean_tests,
     midranks,
     paired_tests,
     signed_ranks,
@@ -90,6 +91,14 @@ def test_a_pair_differs_in_ranks_and_in_the_number_of_trials(trials):
     assert (found.p > ranks.p).any() or trials == 1
     for one, other in zip(found[:4], ranks[:4], strict=True):
         assert (one == other).all()
+
+
+@pytest.mark.parametrize(("trials", "ahead"), [(9, 8), (30, 22), (30, 30), (7, 0)])
+def test_the_mean_of_signs_is_tested_by_their_likelihood(trials, ahead):
+    off, share = np.repeat([[1.0, -1.0]], [ahead, trials - ahead], axis=1), ahead / trials
+    ratio = 2 * trials * stats.entropy([share, 1 - share], [0.5, 0.5]) * (0 < share < 1)
+    by_hand = 2 * stats.t.sf(math.sqrt(ratio), trials - 1) * (ratio > 0)
+    assert mean_tests(off).p == pytest.approx(np.maximum(by_hand, signed_ranks(off).p), rel=0.02)
 
 
 @pytest.mark.parametrize("trials", [6, 9, 12])

@@ -2,12 +2,13 @@
 
 With two levels of each, the effect of the factor is the first level's number minus the second's. Of levels that share
 random numbers, the difference of effects is that of each trial, tested by the signed-rank test. Else the effects in
-trials are two independent samples, tested by the rank-sum test. Values are means over trials: of all statistics only
-these add up, so that the difference is that of the effects, and lines of a figure are parallel where there is none.
+trials are two independent samples, tested by the rank-sum test. As ranks may differ where means are equal, p is at
+least that of the interval of the difference. Values are means over trials: of all statistics only these add up, so that
+the difference is that of the effects, and lines of a figure are parallel where there is none.
 """
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -43,10 +44,9 @@ from swarmcensus.summaries import (
     selecting,
 )
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import Estimate, Floats, estimate
+from swarmcensus.support.intervals import LEVEL, Estimate, Floats, estimate
 from swarmcensus.support.options import in_shell, wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 from swarmcensus.support.rank_sums import rank_sums
@@ -101,14 +101,12 @@ class Interaction(Answer):
         tests = f" after Holm's correction for {len(self.rows):,} tests" * (len(self.rows) > 1)
         rows = [row for row in self.rows if row["measure"] == measure.name]
         for row, (text, ends) in zip(rows, self._texts(measure), strict=True):
-            times = 100.0 if measure.share else 1.0
-            one, other = (f"{times * row[name] + 0.0:.3g}" for name in ("effect", "other_effect"))
+            one, other = (f"{row[name] * 100**measure.share + 0.0:.3g}" for name in ("effect", "other_effect"))
             effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}{unit}"
             effect += f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
             between = f"{one} with {row['level']} and {other} with {row['other_level']}"
-            apart = "told apart" if row["told_apart"] else "not told apart"
-            how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
-            yield f"{effect} is {between}; difference {text} {ends}, {apart} ({how})"
+            how = f"told apart ({TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests})"
+            yield f"{effect} is {between}; difference {text} {ends}, {'not ' * (not row['told_apart'])}{how}"
 
     def _texts(self, measure: Measure) -> list[tuple[str, str]]:
         """Each difference and its interval as text."""
@@ -121,9 +119,8 @@ class Interaction(Answer):
         """A row for each difference of effects."""
         by, measures = ", ".join(self.by), {measure.name: measure for measure in self.measures}
         texts = [text for measure in self.measures for text in self._texts(measure)]
-        labels = [column_head(measures[r["measure"]]) for r in self.rows]
         columns = [
-            Column("measure", labels, number=False, name="measure"),
+            Column("measure", [column_head(measures[r["measure"]]) for r in self.rows], number=False, name="measure"),
             *(Column(head, [r[name] for r in self.rows], number=False, rank=STAYS, name=name)
               for name, head in {"one": "one", "other": "other", "level": f"{by} 1", "other_level": f"{by} 2"}.items()),
             Column("difference", [t for t, _ in texts], rank=ASKED, intervals=[ends for _, ends in texts],
@@ -190,16 +187,15 @@ def interaction_of(
             known = ~np.isnan(four)
             if not (known.all(axis=(0, 1)).any() if across else known.all(axis=0).any(axis=1).all()):
                 continue
-            within = factor == (BRAIN,) or bool(shared[np.ix_(at[0], at[1])].any())
-            row, test = _difference(four, across, within)
+            row, test = _difference(four, across, factor == (BRAIN,) or bool(shared[np.ix_(at[0], at[1])].any()))
             about = {"measure": measure.name, "unit": measure.unit, "one": levels[a], "other": levels[c]}
             rows.append(about | {"level": by_levels[b], "other_level": by_levels[d], "worlds": int(worlds.sum())} | row)
             tests.append(test)
     if not kept:
         raise InputError(f"there is no difference of effects: {cautions[-1]}")
     if not rows:
-        names = [", ".join(of) for of in (factor, by)]
-        raise InputError("no trial has two levels of {} at each of two levels of {}".format(*names), key="by")
+        names = f"{', '.join(factor)} at each of two levels of {', '.join(by)}"
+        raise InputError(f"no trial has two levels of {names}", key="by")
     for row, test, corrected in zip(rows, tests, holm(np.array([float(t.p) for t in tests])).tolist(), strict=True):
         agree = np.sign(row["difference"]) * np.sign(test.balance) >= 0
         row |= {"p": float(test.p), "p_holm": corrected, "told_apart": bool(agree and corrected <= ALPHA)}
@@ -245,20 +241,29 @@ def _difference(four: Floats, across: bool, within: bool) -> tuple[dict[str, Any
     if across and not within:  # the levels of the factor are the independent ones
         one, other = differences(four[:, 0], four[:, 1])
     if across and within:
-        each = differences(one, other)
-        each = each[~np.isnan(each)]
-        low, high = intervals(each[np.newaxis], "mean")  # NaN if all are equal
-        test, found = signed_ranks(each), Estimate(float(each.mean()), float(low[0]), float(high[0]))
-        trials = [each.size] * 2
-    else:
-        one, other = one[~np.isnan(one)], other[~np.isnan(other)]
-        test, trials = rank_sums(one, other), [one.size, other.size]
-        found = Estimate(*difference_of(one, other, _estimate(one), _estimate(other)))
-    ends = dict(zip(("difference", "difference_low", "difference_high"), found, strict=True))
-    how = "signed-rank" if across and within else "rank-sum"
-    return row | {"test": how, "trials": trials[0], "other_trials": trials[1]} | ends, test
+        one = differences(one, other)
+        other = 0.0 * one
+    one, other = one[~np.isnan(one)], other[~np.isnan(other)]
+
+    def found(level: float = LEVEL) -> tuple[float, float, float]:
+        return difference_of(one, other, _estimate(one, level), _estimate(other, level))
+
+    test, how = (signed_ranks(one), "signed-rank") if across and within else (rank_sums(one, other), "rank-sum")
+    ends = dict(zip(("difference", "difference_low", "difference_high"), found(), strict=True))
+    test = test._replace(p=np.maximum(test.p, _p_of_mean(found)))
+    return row | {"test": how, "trials": one.size, "other_trials": other.size} | ends, test
 
 
-def _estimate(sample: Floats) -> Estimate:
-    value, [low], [high] = float(sample.mean()), *intervals(sample[np.newaxis], "mean")
-    return exact_if_same(value, float(low), float(high), sample.size)
+def _estimate(sample: Floats, level: float) -> Estimate:
+    value, low, high = estimate(sample[:, np.newaxis], "mean", level=level)
+    return exact_if_same(value, low if differences(sample, sample[0]).any() else np.nan, high, sample.size)
+
+
+def _p_of_mean(found: Callable[[float], tuple[float, float, float]]) -> float:
+    """The p-value of which the interval just holds 0; 0 if there is no interval."""
+    least, most = -15.0, 0.0  # powers of ten
+    for _ in range(20):
+        power = (least + most) / 2
+        _, low, high = found(1 - 10**power)
+        least, most = (power, most) if low <= 0.0 <= high else (least, power)
+    return 10**least

@@ -22,9 +22,9 @@ from swarmcensus.support.significance import (
     fewest_trials,
     friedman,
     holm,
+    mean_tests,
     midranks,
     paired_tests,
-    signed_ranks,
     tails,
 )
 
@@ -254,7 +254,7 @@ def _contest(
                 into[world, pair] = number
     counts, common = known.sum(axis=2), (known[:, first] & known[:, second]).sum(axis=2)
     sizes = np.stack([np.where(paired, common, counts[:, who]) for who in (first, second)])
-    duels = signed_ranks(ahead.T)
+    duels = mean_tests(ahead.T)
     overall = tested & (met.sum() > 1)  # in one world, its own tests are enough
     return Contest(
         low, numbers, centres(numbers, statistic), ends, np.asarray(counts), difference, (lowest, highest),

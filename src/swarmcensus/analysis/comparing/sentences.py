@@ -26,7 +26,7 @@ def sentences(frames: Frames) -> list[str]:
 def _sentence(frames: Frames, measure: Measure, contest: Contest, row: dict[str, Any]) -> str:
     one, other, world, paired = row["one"], row["other"], row["world"], row["test"] == "signed-rank"
     values = (_with_interval(contest, measure, world, frames.contenders.index(name), name) for name in (one, other))
-    trials = row["trials"], row["other_trials"]
+    trials, tests = (row["trials"], row["other_trials"]), f"{number_of_tests(frames.contests):,}"
     ends = (np.array([row[f"difference{end}"]]) for end in ("", "_low", "_high"))
     [(difference, between)] = numbers(ends, np.array([min(trials)]), measure, differences=True)
     of = f"{measure.statistic} of paired differences" if paired else f"difference of {measure.statistic}s"
@@ -36,10 +36,10 @@ def _sentence(frames: Frames, measure: Measure, contest: Contest, row: dict[str,
     where = world_text(frames.grid.worlds[world])
     return (
         f"{column_head(measure)}{unit}{f' ({where})' if where else ''}: {' and '.join(values)} ({measure.statistic}s "
-        f"over trials); {of}, {one} - {other}, {difference} {between} ({trials[0]:,} and {trials[1]:,} trials); "
-        f"probability that {one} is better {chance}; {TESTS[row['test']]}, p {p_equals(row['p'])}; p "
-        f"{p_equals(row['p_holm'])} after Holm's correction for {number_of_tests(frames.contests):,} tests"
-        f"{equal * row['equal_in_practice']}. Brackets are 95 % intervals over trials."
+        f"over robots and trials); {of} of trials' {measure.statistic}s over robots, {one} - {other}, {difference} "
+        f"{between} ({trials[0]:,} and {trials[1]:,} trials); probability that {one} is better {chance}; "
+        f"{TESTS[row['test']]}, p {p_equals(row['p'])}; p {p_equals(row['p_holm'])} after Holm's correction for "
+        f"{tests} tests{equal * row['equal_in_practice']}. Brackets are 95 % intervals over trials."
     )
 
 

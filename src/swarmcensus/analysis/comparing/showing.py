@@ -25,8 +25,8 @@ from swarmcensus.support.quantities import QUANTITIES
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
 COSTS = {name: QUANTITIES[name].title for name in (TAIL_QUANTITY, "messages_sent", "bytes_sent", "memory_bytes")}
 DIFFERENCE = (
-    "median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over trials, for each "
-    "pair separately"
+    "median of the differences of trials' medians; if not paired, difference of the medians of trials' medians (means "
+    "for shares and for messages and bytes); [95 %]: over trials, for each pair separately"
 )
 BETTER = "the probability that the first is better in a random trial; equal ones count one half"
 EFFECT = "rank-biserial correlation, from -1 to 1, above 0 if the first is better"

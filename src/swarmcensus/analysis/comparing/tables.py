@@ -49,7 +49,8 @@ class Frames(Standings):
     def pairs(self) -> "pd.DataFrame":
         """A pandas table with a row for each measure, world and pair of contenders: the difference `one` - `other`.
 
-        `difference` is the median of paired differences, the difference of medians of others, or that of means, in the
+        `one_value` and `other_value` are medians over all robots of all trials, or means. `difference` is of trials'
+        medians: the median of paired differences, the difference of medians of others, or that of means, in the
         measure's `unit`, with the ends of its 95 % interval. `superiority` is the probability that `one` is better in a
         random trial, where equal ones count one half, with the ends of its interval. `effect` is the rank-biserial
         correlation, above 0 if `one` is better. `p` is the p-value of the `test`, which is "signed-rank" for paired
@@ -105,7 +106,8 @@ class Frames(Standings):
         """A pandas table with a row for each measure and pair: the share of common worlds in which one is ahead.
 
         `ahead` is the share of worlds in which `one` is better, minus the share in which it is worse, averaged over
-        trials. The test is the signed-rank test over trials. A measure has no rows unless all contenders have met
+        trials. The test is the signed-rank test over trials, or that of the mean by empirical likelihood if its p is
+        larger. A measure has no rows unless all contenders have met
         several worlds.
         """
         import pandas as pd

@@ -33,7 +33,7 @@ UNDER, AROUND = 0.12, 1.25  # under the last name, and about all but bars and na
 MOST = 40  # contenders
 GREY = "0.35"  # of the lines to the names
 KEY = "1 is best. {}Friedman's test is of all together: whether any differ."
-BARS = "A bar joins those that tests of pairs (signed ranks, corrected) do not tell apart. "
+BARS = "A bar joins those that tests of pairs (corrected) do not tell apart. "
 
 
 @on_page
