@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image
 from scipy import stats
 
 import swarmcensus as sc
@@ -153,14 +154,21 @@ def test_a_swarm_of_four_is_warned_of():
     assert sentences == [["sure needs 5 robots; this study has 4"], []]
 
 
-def test_ground_that_hides_its_changes_is_warned_of():
-    """Shades that are dithered look like chance, and robots in a small arena may never leave a block in its middle."""
+@pytest.mark.parametrize(
+    ("robots", "density", "hidden"),
+    [(20, 1, ("image(leaves,dither)", "image(dots)")), (6, 10, ("benchmark(block)", "half", "clusters(2)"))],
+)
+def test_ground_that_hides_its_changes_is_warned_of(tmp_path, robots, density, hidden):
+    """Finely mixed shades look like chance, and robots in a small arena may never leave a patch."""
+    dots = np.random.default_rng(1).random((256, 256)) < np.linspace(0.35, 0.65, 256)
+    Image.fromarray(dots).save(tmp_path / "dots.png")
     leaves = {"image": str(shipped_study("paper").parent / "example" / "leaves.png")}
-    floors = [leaves, leaves | {"mode": "dither"}, {"benchmark": "block"}]
-    study = study_of("sure", accuracy=0.9, trials=1, ticks=9, density=2, floor=floors)
-    for setting, hidden in zip(study.settings(), ("", "image(leaves,dither)", "benchmark(block)"), strict=True):
-        says = f"sure may stop too early where the ground changes unseen by its robots, as on {hidden}"
-        assert unmet_needs([setting], 10) == [says] * bool(hidden)
+    floors = ["tiles", "half", leaves, leaves | {"mode": "dither"}, {"image": str(tmp_path / "dots.png")}]
+    floors += [{"benchmark": "block"}, {"stripes": 0.2}, {"clusters": 0.2}, {"clusters": 2.0}]
+    study = study_of("sure", robots=robots, accuracy=0.9, trials=1, ticks=9, density=density, floor=floors)
+    says = "sure may stop too early, or give wrong intervals, where its robots miss changes of"
+    warned = {str(setting.floor): unmet_needs([setting], 10) for setting in study.settings()}
+    assert warned == {name: [f"{says} {name}"] * (name in hidden) for name in warned}
 
 
 def covered(alpha, trials, robots, **world):
