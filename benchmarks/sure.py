@@ -107,9 +107,13 @@ def coarse(brain="sure", fill=0.55, within=0.05, ticks=4088, seed=6203, accuraci
     An answer is wrong if it is not `within` of the floor's own share of black; "of f": of the nominal one.
     """
     print(HEADS)
-    worlds = [(6, 5), (10, 3), (10, 10), (5, 1), (5, 10), (20, 1), (20, 10), (50, 2), (100, 1), (100, 10)]
+    worlds = [(6, 5), (10, 3), (10, 10), (5, 1), (5, 10), (6, 10), (7, 10)]
+    worlds += [(20, 1), (20, 10), (50, 2), (100, 1), (100, 10)]
     worst = [walk(*world, FLOORS, brain, fill, within, ticks, seed, accuracies) for world in worlds]
-    print(f"most wrong: {100 * max(worst):.1f} %, of all robots of a world")
+    print(f"most wrong: {100 * max(worst):.1f} %, of all robots of a world; the worst with twice the `within`:")
+    for world in ((5, 10), (6, 10), (20, 1), (50, 2), (100, 1)):
+        floor = {"image": LEAVES, "mode": "dither"} if world[0] > FEW else {"benchmark": "block"}
+        walk(*world, [floor], brain, fill, 2.0 * within, ticks, seed, accuracies)
 
 
 @harness.question(unasked=False)

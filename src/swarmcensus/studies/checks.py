@@ -71,9 +71,8 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     honest = list(dict.fromkeys(brain for grid in grids for brain in grid.swarm.brain))
     swarms = sorted({robots for grid in grids for robots in grid.swarm.robots})
     members.check(tables.members, honest, swarms, any(grid.moves for grid in grids))
-    pictures = [p for grid in grids if grid.moves for floor in grid.world.floor or () for p in floor.pictures]
     sources: dict[str, str] = {}
-    for picture in pictures:
+    for picture in (p for grid in grids if grid.moves for floor in grid.world.floor or () for p in floor.pictures):
         if sources.setdefault(picture.name, picture.source) != picture.source:
             two = f"two images of world.floor have one name: {picture.name}"
             raise StudyError(two, key="world.floor", value=picture.name)
@@ -93,10 +92,9 @@ def _check_texts(key: str, what: str, values: Iterable[Topology | Floor]) -> Non
 
 def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:
     """Raise StudyError for a label of no brain, and for brains that would have one name."""
-    for name in labels:
-        if name not in brains:
-            known = f"{did_you_mean(name, brains)}there are {', '.join(brains)}"
-            raise StudyError(f"labels: no brain is called {name!r}: {known}", key="labels", value=name)
+    for name in (label for label in labels if label not in brains):
+        known = f"{did_you_mean(name, brains)}there are {', '.join(brains)}"
+        raise StudyError(f"labels: no brain is called {name!r}: {known}", key="labels", value=name)
     if same := namesakes(brains, labels):
         raise StudyError("labels: {} and {} would both be called {!r}".format(*same), key="labels", value=same[2])
 
@@ -143,14 +141,13 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
 
 def _check_late(grids: Sequence[Grid]) -> None:
     for grid in grids:
-        body, last = grid.world.body, max(grid.schedule.ticks)
-        if grid.moves and "message_delay" in body.model_fields_set and body.message_delay >= last:
-            late = f"no message is heard within {counted(last, 'tick')}"
-            raise StudyError.at("world.body.message_delay", body.message_delay, late)
-        longest, last = max(grid.world.message_delay), max(grid.schedule.rounds)
-        if grid.stands and longest >= last:
-            late = f"no message is heard within {counted(last, 'round')}"
-            raise StudyError.at(grid.key("message_delay"), longest, late)
+        body, delay = grid.world.body, max(grid.world.message_delay)
+        of_body = grid.moves and "message_delay" in body.model_fields_set
+        every = [("world.body.message_delay", body.message_delay, max(grid.schedule.ticks), "tick")] * of_body
+        every += [(grid.key("message_delay"), delay, max(grid.schedule.rounds), "round")] * grid.stands
+        for key, longest, last, unit in every:
+            if longest >= last:
+                raise StudyError.at(key, longest, f"no message is heard within {counted(last, unit)}")
 
 
 MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks"}
@@ -164,8 +161,7 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
         if until.checkpoint > (shortest := min(length for grid in grids for length in grid.lengths)):
             which = "the last round" + f" of settings of {counted(shortest, 'round')}" * (shortest != last)
             raise StudyError.at("trials.until", until.until, f"that comes after {which}")
-    late = [c for c in known or () if c > last]
-    if late:
+    if late := [c for c in known or () if c > last]:
         after = f"measure.checkpoints = {late[0]} comes after the last round, {last}"
         raise StudyError(after, key="measure.checkpoints", value=late[0])
     variables = [metric.variable for metric in tables.measure.metrics]

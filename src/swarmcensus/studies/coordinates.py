@@ -57,10 +57,9 @@ NUMERIC = {  # derived from `accuracy`, a text, when Python opens results
     )
 }  # fmt: skip
 IN_CAPTIONS = (  # in this order; others follow
-    "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change",
-    "fill_ratio_spread", "floor", "rounds",
-    "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy", "accuracy",
-    "checkpoint", "members", "adversary", "liars",
+    "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change", "fill_ratio_spread", "floor",
+    "rounds", "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy",
+    "accuracy", "checkpoint", "members", "adversary", "liars",
 )  # fmt: skip
 # of quantities that are measured at checkpoints
 ROUNDS = Coordinate("whole number", "after {:,.0f}", counts=True, name="checkpoint")

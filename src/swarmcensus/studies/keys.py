@@ -68,12 +68,7 @@ def keys_of(tables: Mapping[str, type[BaseModel]], first: tuple[str, ...]) -> di
             key = next(one for one in field.metadata if isinstance(one, Key))
             default = None if field.is_required() else field.get_default()
             found[name] = dataclasses.replace(
-                key,
-                name=name,
-                table=table,
-                field=key.field or name,
-                default=default[0] if isinstance(default, list) else default,
-                meaning=field.description or "",
-                is_required=field.is_required(),
-            )
+                key, name=name, table=table, field=key.field or name, meaning=field.description or "",
+                default=default[0] if isinstance(default, list) else default, is_required=field.is_required(),
+            )  # fmt: skip
     return {name: found[name] for name in dict.fromkeys([*first, *found])}

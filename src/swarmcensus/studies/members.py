@@ -121,12 +121,10 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
             give = "give it a brain, an accuracy, an assumed_accuracy, a speed, or honest = false"
             raise StudyError(f"{where} differs in nothing from the others: {give}", key=where)
         if not any(table.robots):
-            nobody = "that is nobody, and the table would mean nothing"
-            raise StudyError.at(f"{where}.robots", table.robots[0], nobody)
+            raise StudyError.at(f"{where}.robots", table.robots[0], "that is nobody, and the table would mean nothing")
         for size in table.robots:
             if size and not Member(size, share=isinstance(size, float)).count(max(sizes)):
-                less = f"that is less than one of {counted(max(sizes), 'robot')}"
-                raise StudyError.at(f"{where}.robots", size, less)
+                raise StudyError.at(f"{where}.robots", size, f"that is less than one of {counted(max(sizes), 'robot')}")
         if table.speed is not None and not moves:
             moving = 'is of robots that move: it goes with topology = "moving"'
             raise StudyError(f"{where}.speed {moving}", key=f"{where}.speed")

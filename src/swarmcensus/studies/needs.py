@@ -9,9 +9,15 @@ import numpy as np
 from swarmcensus.brains import Brain, names_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.support.formatting import counted
-from swarmcensus.worlds import Accuracy, Topology
+from swarmcensus.support.plugins import is_unread
+from swarmcensus.worlds import Accuracy, Body, Chance, Floor, Ground, Topology
 
 MOST_ROBOTS = 10_000  # of networks whose neighbours are counted
+TRIALS, PLACES, NEAR = 3, 1 << 15, 0.08  # of which floors are looked at; metres between readings that `sure` compares
+# found in worlds where `sure` was measured (benchmarks/sure.py): robots for each density of an arena that is small; how
+# much quarters of the arena differ there, and how far from one half their shares of black are where one is a patch; how
+# much they differ in others, also for each correlation of near tiles; and that correlation where no robot stops
+FEW, COARSE, PLAIN, FINE, LASTING, ALIKE = 2.0, 0.025, 0.45, 0.0006, 0.05, 0.3
 
 
 def warn_of_needs(settings: Iterable[Setting], bins: int) -> None:
@@ -24,7 +30,7 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
     found: dict[str, dict[str, str]] = {}
     worlds = dict.fromkeys(
-        (brain, s.rounds, s.topology, s.robots, s.accuracy, _floor(s), "round" if s.body is None else "tick")
+        (brain, s.rounds, s.topology, s.robots, s.accuracy, _floor(brain, s), "round" if s.body is None else "tick")
         for s in settings
         for brain in (s.brain, *(m.brain for m in s.members if m.honest and isinstance(m.brain, Brain)))
         if brain.needs
@@ -37,13 +43,37 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     return [f"{name} {'. It '.join(needs.values())}" for name, needs in found.items() if needs]
 
 
-def _floor(setting: Setting) -> tuple[float, str]:
-    """The fill ratio; 0, in the middle of no step, if each trial draws its own. And a floor that hides its changes.
+def _floor(brain: Brain, setting: Setting) -> tuple[float, str]:
+    """The fill ratio; 0, in the middle of no step, if each trial draws its own. And a floor that hides its changes."""
+    floor, body, f, hides = setting.floor, setting.body, setting.fill_ratio, False
+    if brain.needs.get("even") and body and floor and setting.density and not is_unread(floor.kind):
+        hides = _hides(floor, body, setting.side, f, setting.robots <= FEW * setting.density)
+    return 0.0 if setting.spread else f, str(floor) if hides else ""
 
-    Dithered shades look like chance, and robots in a small arena may never leave a block in its middle.
+
+@functools.lru_cache(maxsize=256)
+def _hides(floor: Floor, body: Body, side: float, fill_ratio: float, small: bool) -> bool:
+    """Whether large parts of a floor differ in their shares of black, and robots may not notice.
+
+    In a `small` arena all robots may stay in one patch. In others, parts may differ where tiles near each other are
+    hardly alike, as in dithered shades. Both by numbers relative to the variance of colours, on average over trials.
     """
-    hides = setting.floor and any(one in setting.floor.keys for one in (("mode", "dither"), ("pattern", "block")))
-    return 0.0 if setting.spread else setting.fill_ratio, str(setting.floor) if hides else ""
+    found = []
+    for trial in range(TRIALS):
+        chance = Chance(np.zeros(2, np.uint64), trial)
+        ground = Ground(floor, body, side, np.array([fill_ratio]), chance.key, trial, PLACES)
+        half, random = ground.across // 2, chance.generator()
+        x, y = first = random.uniform(-half, half, (2, PLACES))
+        second = first + random.normal(0.0, NEAR / body.tile, first.shape)
+        tiles = np.clip(np.floor([first, second]), -half, half - 1).astype(np.int32)
+        black = ground.colours(tiles.transpose(0, 2, 1))
+        share = np.histogram2d(x, y, 4, weights=black[0])[0] / np.histogram2d(x, y, 4)[0]
+        quarters = np.lib.stride_tricks.sliding_window_view(share, (2, 2)).mean(axis=(2, 3))
+        found.append((quarters.var(), np.cov(black)[0, 1], np.abs(quarters - 0.5).max()))
+    apart, alike, plain = np.mean(found, axis=0)
+    variance = fill_ratio * (1.0 - fill_ratio)
+    fine = alike < ALIKE * variance and apart > max(FINE * variance, LASTING * alike)
+    return bool(apart > COARSE * variance and plain > PLAIN if small else fine)
 
 
 def _unmet_in_time(brain: Brain, rounds: int, unit: str) -> Iterator[tuple[str, str]]:
@@ -90,8 +120,8 @@ def _unmet_by_floor(brain: Brain, accuracy: Accuracy, floor: tuple[float, str], 
         yield "perfect_sensors", f"takes readings for the truth, {biased}"
     if brain.needs.get("binary") and bins != 2:
         yield "binary", f"answers whether f is above one half; this study asks for one of {bins:,} bins"
-    if hidden and brain.needs.get("even"):
-        yield "even", f"may stop too early where the ground changes unseen by its robots, as on {hidden}"
+    if hidden:
+        yield "even", f"may stop too early, or give wrong intervals, where its robots miss changes of {hidden}"
     steps = brain.needs.get("steps", 0.0)
     place = fill_ratio * steps - 0.5
     if abs(place - round(place)) <= 1e-9:

@@ -68,8 +68,7 @@ class Until(TomlTable):
     @property
     def checkpoint(self) -> int | None:
         """The round of a rule on `correct`, at which decisions are counted."""
-        text = self._part("checkpoint")
-        return None if text is None else int(text)
+        return int(text) if (text := self._part("checkpoint")) else None
 
     @property
     def variable(self) -> str:

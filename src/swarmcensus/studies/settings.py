@@ -61,15 +61,13 @@ class Swarm(TomlTable):
     )] = Field(default=["minimalistic"], validate_default=True)  # fmt: skip
     """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
     robots: Annotated[Wholes, Key(
-        draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
-        coordinate=Coordinate(
-            "whole number", "N = {:,.0f}", "robots $N$", "numbers of robots", counts=True, always=True
+        draws=("readings", "losses", "luck", "luck alone", "floor", "walk"), coordinate=Coordinate(
+            "whole number", "N = {:,.0f}", "robots $N$", "numbers of robots", counts=True, always=True,
         ),
     )]  # fmt: skip
     """N, how many."""
     accuracy: Annotated[Accuracies, Key(
-        draws=("readings",),
-        coordinate=Coordinate("text", "accuracy {}", "sensor accuracy", "accuracies", always=True),
+        draws=("readings",), coordinate=Coordinate("text", "accuracy {}", "sensor accuracy", "accuracies", always=True),
     )]  # fmt: skip
     """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
     assumed_accuracy: Annotated[MaybeBeliefs, Key(
@@ -93,8 +91,7 @@ class World(TomlTable):
     """
 
     topology: Annotated[Topologies, Key(
-        draws=("losses", "luck"),
-        coordinate=Coordinate("text", "{}", plural="topologies", always=True),
+        draws=("losses", "luck"), coordinate=Coordinate("text", "{}", plural="topologies", always=True),
     )]  # fmt: skip
     """Who hears whom: a network, or "moving" for robots that walk in an arena."""
     fill_ratio: Annotated[FillRatios, Key(
@@ -103,16 +100,13 @@ class World(TomlTable):
     )]  # fmt: skip
     """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}; or "U(0.3, 0.7)"."""
     link_success: Annotated[Shares, Key(
-        messages=True,
-        draws=("losses",),
-        coordinate=Coordinate("number", "link success {}", always=True, unsaid=1.0),
+        messages=True, draws=("losses",), coordinate=Coordinate("number", "link success {}", always=True, unsaid=1.0),
     )] = usual([1.0])  # fmt: skip
     """The probability that a message gets through."""
     missing_links: Annotated[Shares, Key(
         world="networks",
         instead="bodies in between block the messages of robots that move, by world.body.line_of_sight",
-        messages=True,
-        coordinate=Coordinate(
+        messages=True, coordinate=Coordinate(
             "number", "{} of links missing", "share of links that are missing", "shares of missing links"
         ),
     )] = usual([0.0])  # fmt: skip
@@ -147,8 +141,7 @@ class World(TomlTable):
     """The side L of the arena in metres, in place of a density."""
     floor: Annotated[MaybeFloors, Key(
         world="moving",
-        draws=("floor",),
-        coordinate=Coordinate(
+        draws=("floor",), coordinate=Coordinate(
             "text", "floor {}", plural="floors", always=True,
             of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
         ),
@@ -172,8 +165,7 @@ class Schedule(TomlTable):
     observations_per_round: Annotated[Wholes, Key(
         world="networks",
         instead=HOW_LONG,
-        draws=("readings",),
-        coordinate=Coordinate(
+        draws=("readings",), coordinate=Coordinate(
             "whole number", "R = {:,.0f}", "observations per round $R$", counts=True, always=True, world="any"
         ),
     )] = usual([10])  # fmt: skip

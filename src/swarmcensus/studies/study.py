@@ -134,10 +134,9 @@ class Study:
             if said := topology.unlinked(robots):
                 of = f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}"
                 warnings.warn(f"{of}: {said}", stacklevel=4)
-        for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
-            if accuracy.is_blind:
-                blind = "carries no information: such a sensor says the same of black and white"
-                warnings.warn(f"{where}: accuracy {accuracy} {blind}", stacklevel=4)
+        for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy if a.is_blind):
+            blind = "carries no information: such a sensor says the same of black and white"
+            warnings.warn(f"{where}: accuracy {accuracy} {blind}", stacklevel=4)
         for grid in self.grids:
             known = {len(s.numbers) // 2 for a in grid.swarm.accuracy for s in a.distributions if s.kind == "measured"}
             if known and known != {*grid.swarm.robots}:

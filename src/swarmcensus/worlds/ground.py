@@ -29,15 +29,17 @@ class Ground:
     """
 
     def __init__(
-        self, floor: Floor, body: Body, side: float, shares: NDArray[np.float64], key: np.ndarray, trial: int
-    ) -> None:
+        self, floor: Floor, body: Body, side: float, shares: NDArray[np.float64], key: np.ndarray, trial: int,
+        most: int = MOST_COUNTED,
+    ) -> None:  # fmt: skip
         """`side` is the arena's, in metres; `shares` are the fill ratios of the ticks until a change has ended.
 
-        The cuts of scores are found, and black tiles are counted, at once.
+        The cuts of scores are found, and black tiles are counted, at once, among `most` tiles at the most.
         """
         arena, chance = Arena(side, body.tile), Chance(key, trial)
         self.across = arena.across
-        reached = reachable(side / 2.0, body.radius, math.hypot(*body.sensor), body.tile, floor.most_counted(arena))
+        most = min(most, floor.most_counted(arena))
+        reached = reachable(side / 2.0, body.radius, math.hypot(*body.sensor), body.tile, most)
         blocks = np.array_split(reached, -(-reached.shape[1] // BLOCK), axis=1)
         distinct, place = np.unique(shares, return_inverse=True)
         self._paint = floor.paint(arena, chance, float(shares[0])) if distinct.size == 1 else None
@@ -91,10 +93,7 @@ class Ground:
         rises = self.cuts[-1] > self.cuts[0]
         for row, tiles in enumerate(rows_of(self.across)):
             numbers = self.number(tiles)[0]
-            if rises:
-                turn = np.searchsorted(self.cuts, numbers, side="right")
-            else:
-                turn = np.searchsorted(-self.cuts, -numbers, side="left")
+            turn = np.searchsorted(self.cuts, numbers, "right") if rises else np.searchsorted(-self.cuts, -numbers)
             # what has the colour of the end from the first tick on never turns
             out[row] = np.where((numbers < self.cuts[0]) == rises, self.cuts.size, turn)
         out[out == self.cuts.size] = NO_TURN - 1

@@ -33,6 +33,7 @@ def unmet(brain, bins=2, **given):
     ("belief-sharing", {"fill_ratio": [0.35, 0.3]},
      ["belief-sharing chooses among the middles of 10 steps, and f = 0.35 is one: it errs less than at other f"]),
     ("commons", {"accuracy": 0.6, "bins": 10}, []),
+    ("sure", {"robots": 4}, ["sure needs 5 robots; this study has 4"]),
     ("swift", {"topology": ONE_WAY},
      ["swift needs robots that hear each other; some links of round go one way only"]),
     ("commons", {"topology": ONE_WAY}, []),

@@ -289,13 +289,13 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
 def verdict_on(details: Sequence[Detail]) -> str:
     """A claim holds if most settings speak for it and none against it.
 
-    It does not hold if none speaks for it or most against it, and otherwise holds in part. Nothing is decided if no
-    setting speaks either way.
+    It does not hold if most speak against it, or half while none speaks for it. Nothing is decided if fewer do and none
+    speaks for it. Otherwise it holds in part.
     """
     said = [detail.verdict for detail in details]
-    half = len(said) / 2
-    if YES not in said and NO not in said:
-        return UNDECIDED
-    if NO not in said and said.count(YES) > half:
+    half, against = len(said) / 2, said.count(NO)
+    if YES not in said:
+        return FAILS if against and against >= half else UNDECIDED
+    if not against and said.count(YES) > half:
         return HOLDS
-    return FAILS if YES not in said or said.count(NO) > half else PARTLY
+    return FAILS if against > half else PARTLY

@@ -212,7 +212,7 @@ def test_few_trials_decide_nothing_that_is_random(name):
 
 @pytest.mark.parametrize(("said", "verdict"), [
     ("yyyy", HOLDS), ("yyy-", HOLDS), ("yy--", PARTLY), ("yyyyyyn", PARTLY), ("ynn-", PARTLY), ("ynn", FAILS),
-    ("n---", FAILS), ("nnnn", FAILS), ("----", UNDECIDED), ("", UNDECIDED),
+    ("n---", UNDECIDED), ("nn--", FAILS), ("nnnn", FAILS), ("----", UNDECIDED), ("", UNDECIDED),
 ])  # fmt: skip
 def test_three_verdicts(said, verdict):
     words = {"y": YES, "n": NO, "-": NEITHER}
@@ -275,7 +275,7 @@ def test_pairs_use_trials_that_both_have_and_a_quotient_by_zero_decides_nothing(
 
 def test_one_wrong_robot_is_against_consensus_and_the_papers_observation_has_a_probability():
     assert verdict("consensus", trials=29).verdict == UNDECIDED
-    assert verdict("consensus", FAILING["consensus"], trials=1).verdict == FAILS
+    assert verdict("consensus", FAILING["consensus"], trials=1).count(NO) == 1
     assert verdict("consensus", only(one("scale-free", "0.625"), right=0.5)).verdict == HOLDS
     data = world("moving")["moving"].copy(deep=True)
     here = (data.accuracy == MIXED) & (data.density == 1) & (data.fill_ratio == 0.55)
