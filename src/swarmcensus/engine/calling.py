@@ -7,6 +7,7 @@ CPython's functions and arrays.
 
 import contextlib
 import ctypes
+import struct
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
@@ -21,7 +22,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import np_cfarray
 
 from swarmcensus.engine.code_cache import not_compiled
-from swarmcensus.engine.compiling import INSIDE, whole
+from swarmcensus.engine.compiling import INSIDE, counting_nothing, whole
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
 _COUNTING = threading.Lock()
@@ -142,8 +143,9 @@ def _machine_packed(typing, group, kind):
 @intrinsic
 def _machine_unpacked(typing, place, kind):
     def generate(context, builder, signature, values):
-        shape = context.get_value_type(kind.instance_type)
-        return builder.load(builder.bitcast(values[0], shape.as_pointer()))
+        shape = context.get_value_type(kind.instance_type).as_pointer()
+        is_number = isinstance(place, types.Integer)  # from CPython
+        return builder.load((builder.inttoptr if is_number else builder.bitcast)(values[0], shape))
 
     return kind.instance_type(place, kind), generate
 
@@ -196,6 +198,43 @@ def _one_at_a_time() -> Iterator[None]:
         yield
     finally:
         numba.config.LOOP_VECTORIZE = usual
+
+
+class Unpacking(NamedTuple):
+    """A function that unpacks what it is called with, of the types of `like`; CPython passes that by its address.
+
+    Numba's own code for arrays in groups, which CPython passes, takes half a second to compile.
+    """
+
+    function: Any
+    like: tuple[Any, ...]
+
+    def __call__(self, *given: Any) -> Any:
+        """Put what is given where machine code finds it, and call it."""
+        values: list[Any] = []
+        there = struct.pack("".join(_laid_out(given, self.like, values)), *values) if not PLAIN else b""
+        return self.function(given if PLAIN else np.frombuffer(there, np.uint8).ctypes.data)
+
+
+def unpacking(*like: Any) -> Callable[[Any], Unpacking]:
+    """Make a function Unpacking, cached on disk; it makes no array, returns none, and counts no references."""
+    return lambda function: Unpacking(counting_nothing(function), like)
+
+
+def _laid_out(given: Any, like: Any, values: list[Any]) -> Iterator[str]:
+    """How numbers and arrays, in groups, lie in memory for machine code: formats of `struct`, and the `values`."""
+    if isinstance(like, tuple):
+        for one, its in zip(given, like, strict=True):
+            yield from _laid_out(one, its, values)
+        yield "0q"
+    elif isinstance(like, np.ndarray):
+        if (given.dtype, given.ndim, given.flags.c_contiguous) != (like.dtype, like.ndim, True):
+            raise TypeError(f"an array of {given.ndim} dimensions of {given.dtype} where machine code has {like.dtype}")
+        values += 0, 0, given.size, given.itemsize, given.ctypes.data, *given.shape, *given.strides
+        yield f"{5 + 2 * given.ndim}q"
+    else:
+        values.append(given)
+        yield {bool: "?", int: "q", float: "d", np.uint64: "Q"}[type(like)]
 
 
 class Phase(NamedTuple):

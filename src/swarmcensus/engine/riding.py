@@ -5,9 +5,9 @@ Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the ad
 
 import numpy as np
 
-from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.calling import call, place, unpacked, unpacking
 from swarmcensus.engine.changes import accuracy_in
-from swarmcensus.engine.compiling import counting_nothing, entry, loop
+from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.constants import (
     AGREED,
     ASK,
@@ -56,11 +56,13 @@ from .states import (
     sensors_of,
     silence_failed,
 )
+from .trial_arguments import END, RIDE, START, TO_CONCLUDE, TO_RIDE, TO_START
 
 
-@counting_nothing
-def start_states(swarm, given, states, start, tally, work):
+@unpacking(*TO_START)
+def start_states(groups):
     """Blank states of one trial, their first messages, and their estimates `start` (1, robot)."""
+    swarm, given, states, start, tally, work = unpacked(groups, START)
     memory, outbox, signals = states.memory, states.outbox, states.signals
     count_known(swarm, tally.counts, given.stops[0], states.rows.shape[0], 0, memory.shape[0])
     blank_states(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
@@ -110,9 +112,10 @@ def hear_each(swarm, states, work, radio, counts, stops, trial, tick, said, hear
         call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 
 
-@counting_nothing
-def ride(swarm, given, states, tally, intervals, chunk, work, black, recorded, stop):
+@unpacking(*TO_RIDE)
+def ride(groups):
     """`live_on` for CPython, in the only trial `given`."""
+    swarm, given, states, tally, intervals, chunk, work, black, recorded, stop = unpacked(groups, RIDE)
     sensors, radio, stops = sensors_of(given.sensors, 0), given.radio, given.stops[0]
     live_on(swarm, states, work, sensors, radio, stops, tally, intervals, chunk, black, recorded, given.first, stop)
 
@@ -240,13 +243,14 @@ def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
         commands[2, i] = turn / max(load, 1.0)
 
 
-@counting_nothing
-def conclude(swarm, rows, start, delta, work, where, value, wrong, checkpoints, disagreement):
+@unpacking(*TO_CONCLUDE)
+def conclude(groups):
     """Convergence index and estimate there (robot) of whole curves: `start` is index 0, `rows` are 1 and on.
 
     `wrong` (3) gets the first invalid estimate, and `disagreement` (checkpoint) that of the `checkpoints`, as in
     `Measures`. Returns the first index from which on it stays within delta; infinite for never.
     """
+    swarm, rows, start, delta, work, where, value, wrong, checkpoints, disagreement = unpacked(groups, END)
     rounds, robots = rows.shape
     helpers, honest = swarm.helpers, swarm.honest
     call(helpers[FIRST_WRONG], start, 1, robots, 0, honest, honest.size, wrong)
