@@ -114,7 +114,7 @@ def walk(bodies, neighbours, stops, trial, chunk, stop):
             set_wheels(state, i, body, turns, speed, turn)
             go(state, i, 1.0 - body.lag, state[COS_THEN, i], state[SIN_THEN, i])
             keep_inside(state, i, half - body.radius)
-        sweep = 0
+        sweep = np.int64(0)  # `part` would be compiled for a literal, too
         while sweep < SWEEPS:
             sweep = part(state, body, half - body.radius, close, pairs[0], pushed, sweep)
             look_around(bodies, neighbours)
