@@ -215,6 +215,10 @@ class Unpacking(NamedTuple):
         there = struct.pack("".join(_laid_out(given, self.like, values)), *values) if not PLAIN else b""
         return self.function(given if PLAIN else np.frombuffer(there, np.uint8).ctypes.data)
 
+    def compile(self) -> None:
+        """Compile it before there is anything to run, for what CPython calls it with."""
+        self.function.compile((types.int64,))
+
 
 def unpacking(*like: Any) -> Callable[[Any], Unpacking]:
     """Make a function Unpacking, cached on disk; it makes no array, returns none, and counts no references."""

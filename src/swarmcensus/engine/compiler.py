@@ -148,7 +148,7 @@ def compile_loop(name: str) -> None:
     """Compile one of the engine's loops before there is anything to run: a file's name, a dot, and a function's."""
     file, _, function = name.partition(".")
     if not not_compiled():
-        getattr(compile_world(file), function).function.compile("(int64,)")
+        getattr(compile_world(file), function).compile()
 
 
 def is_known(world: str, entry: str) -> bool:
