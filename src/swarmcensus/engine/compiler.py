@@ -147,8 +147,7 @@ def compile_world(name: str = "world") -> types.ModuleType:
 def compile_loop(name: str) -> None:
     """Compile one of the engine's loops before there is anything to run: a file's name, a dot, and a function's."""
     file, _, function = name.partition(".")
-    if not not_compiled():
-        getattr(compile_world(file), function).compile()
+    getattr(compile_world(file), function).address()
 
 
 def is_known(world: str, entry: str) -> bool:

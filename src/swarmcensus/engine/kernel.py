@@ -279,8 +279,7 @@ def follow(
         count = 0
         for m in range(first, last):
             if is_said(signals, np.uint64(senders[m])):
-                arrivals[0, count] = receivers[m]
-                arrivals[1, count] = senders[m]
+                arrivals[0, count], arrivals[1, count] = receivers[m], senders[m]
                 if swarm.draws.size > 0:
                     message_draws[count] = word_of(swarm.draws[2], swarm.draws[3], ZERO, s + 1, ZERO, m)
                 count += 1

@@ -102,8 +102,7 @@ def hear_each(swarm, states, work, radio, counts, stops, trial, tick, said, hear
                 continue
             for e in range(heard[i], heard[i + 1]):
                 if is_said(signals, said + senders[e]) and arrives(radio, trial, tick, i, senders[e], stops):
-                    arrivals[0, count] = i
-                    arrivals[1, count] = senders[e]
+                    arrivals[0, count], arrivals[1, count] = i, senders[e]
                     count += 1
             counts[HEARD, i] += count - before
         if swarm.draws.size > 0:
@@ -229,8 +228,7 @@ def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
             address = swarm.functions[group, ASK]
             call(address, place(memory, swarm.bases[group]), commands, n, a, z, place(draws, np.int64(a)))
     for i in range(memory.shape[0]):
-        speed = commands[1, i] * body[0].tick
-        turn = commands[2, i] * body[0].tick
+        speed, turn = commands[1, i] * body[0].tick, commands[2, i] * body[0].tick
         if not (abs(speed) < 1e300 and abs(turn) < 1e300):
             commands[0, i] = tick
             raise ValueError("steer returned a speed or a turn that is not a finite number")
@@ -239,8 +237,7 @@ def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
             load += abs(speed) / speeds[i] if speeds[i] > 0.0 else np.inf
         if turn != 0.0:
             load += abs(turn) / body[0].turn if body[0].turn > 0.0 else np.inf
-        commands[1, i] = speed / max(load, 1.0)
-        commands[2, i] = turn / max(load, 1.0)
+        commands[1, i], commands[2, i] = speed / max(load, 1.0), turn / max(load, 1.0)
 
 
 @unpacking(*TO_CONCLUDE)
@@ -268,10 +265,8 @@ def conclude(groups):
                 row = place(rows, (checkpoints[c] - 1) * robots)
                 call(helpers[HALF_WIDTH], row, robots, honest, honest.size, room, place(disagreement, c))
     for i in range(robots):
-        low[i] = np.inf
-        high[i] = -np.inf
-        where[i] = rounds
-        value[i] = rows[rounds - 1, i]
+        low[i], high[i] = np.inf, -np.inf
+        where[i], value[i] = rounds, rows[rounds - 1, i]
     call(helpers[SETTLED], rows, rounds, robots, 1, delta, low, high, where, value, 0, robots, answer)
     if answer[0] != 0.0:
         call(helpers[SETTLED], start, 1, robots, 0, delta, low, high, where, value, 0, robots, answer)

@@ -15,7 +15,22 @@ from tests.support.places import ROOT
 
 FILES = {
     "__init__.py": "",
-    "tiny.py": "from swarmcensus.engine.compiling import entry\n\n\n@entry\ndef double(x):\n    return 2 * x\n",
+    "tiny.py": """from numba import typeof
+from swarmcensus.engine.calling import unpacked, unpacking
+from swarmcensus.engine.compiling import entry
+
+@entry
+def double(x):
+    return 2 * x
+
+PAIR = 1.5, 2
+KIND = typeof(PAIR)
+
+@unpacking(*PAIR)
+def product(pair):
+    x, y = unpacked(pair, KIND)
+    return x * y
+""",
 }
 CODE = f"""
 from swarmcensus.engine import code_cache
@@ -156,6 +171,7 @@ def test_shipped_code_is_used_until_there_is_native_code(damage, tmp_path, ran):
 
 
 def test_processes_share_one_compilation(tmp_path, ran):
+    """One compiles beforehand what the other calls."""
     code = f"""
 import os, time
 from numba.core import caching
@@ -171,8 +187,8 @@ if other := os.fork():
     caching.IndexDataCacheFile._save_data = slowly
 else:
     os.read(go, 1)
-tiny.double(21)
-os.write(1, b"%d\\n" % sum(tiny.double.stats.cache_misses.values()))
+assert tiny.product.address() if other else tiny.product(10.5, 4) == 42.0
+os.write(1, b"%d\\n" % sum(tiny.product.function.stats.cache_misses.values()))
 os._exit(os.waitpid(other, 0)[1] if other else 0)
 """
     assert sorted(ran(tmp_path / "cache", code=code).split()) == ["0", "1"]
