@@ -18,12 +18,12 @@ from numba.core.codegen import CPUCodegen, JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import register_pass
 from numba.core.registry import CPUDispatcher
-from numba.cpython.builtins import do_minmax
+from numba.cpython import builtins
 from numba.extending import intrinsic
 
-# older versions of Numba optimise in another way: they compile as they do by themselves
+# other versions of Numba optimise in another way: they compile as they do by themselves
 IS_KNOWN = "llvm_module" not in inspect.signature(CPUCodegen._function_pass_manager).parameters
-
+IS_KNOWN = IS_KNOWN and hasattr(builtins, "do_minmax")
 
 LARGE = 150  # instructions of a function that LLVM makes no part of its callers, unless it has to
 
@@ -106,9 +106,10 @@ def _of_several(compare: Any) -> Any:
     @intrinsic
     def chosen(typing: Any, *numbers: Any) -> Any:
         def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
-            return do_minmax(context, builder, numbers, cgutils.unpack_tuple(builder, values[0]), compare)
+            return builtins.do_minmax(context, builder, numbers, cgutils.unpack_tuple(builder, values[0]), compare)
 
-        return typing.unify_types(*numbers)(numba.types.StarArgTuple(numbers)), generate
+        kind = typing.unify_types(*numbers)
+        return kind and (kind(numba.types.StarArgTuple(numbers)), generate)
 
     return chosen
 
@@ -155,16 +156,16 @@ class Whole(Compiler):
     kind = _Library
 
     def define_pipelines(self) -> Any:
-        """Numba's own steps, for another kind of library."""
+        """Numba's own steps without those that have nothing to do, for another kind of library."""
+        pipelines = super().define_pipelines()
         if IS_KNOWN:
             self.state.library = self.kind(self.state.targetctx.codegen(), "engine")
             self.state.library.enable_object_caching()
-        (made,) = super().define_pipelines()
-        holds_functions = any(isinstance(value, types.CodeType) for value in self.state.func_id.code.co_consts)
-        passes = [one for one in made.passes if holds_functions or one[0] not in OF_FUNCTIONS]
-        made.passes = [(OWN.get(one, one), name) for one, name in passes]
-        made.finalize()
-        return [made]
+            holds_functions = any(isinstance(value, types.CodeType) for value in self.state.func_id.code.co_consts)
+            passes = [one for one in pipelines[0].passes if holds_functions or one[0] not in OF_FUNCTIONS]
+            pipelines[0].passes = [(OWN.get(one, one), name) for one, name in passes]
+            pipelines[0].finalize()
+        return pipelines
 
 
 class Inside(Whole):
