@@ -150,8 +150,7 @@ def _select(values, count, k):
         less = first
         for i in range(first, last):
             x = values[i]
-            values[i] = values[less]
-            values[less] = x
+            values[i], values[less] = values[less], x
             less += x < pivot
         if k < less:
             last = less
@@ -159,8 +158,7 @@ def _select(values, count, k):
         same = less
         for i in range(less, last):
             x = values[i]
-            values[i] = values[same]
-            values[same] = x
+            values[i], values[same] = values[same], x
             same += x == pivot
         if k < same:
             return

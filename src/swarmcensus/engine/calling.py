@@ -7,6 +7,8 @@ CPython's functions and arrays.
 
 import contextlib
 import ctypes
+import itertools
+import struct
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
@@ -21,7 +23,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import np_cfarray
 
 from swarmcensus.engine.code_cache import not_compiled
-from swarmcensus.engine.compiling import INSIDE, whole
+from swarmcensus.engine.compiling import INSIDE, counting_nothing, whole
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
 _COUNTING = threading.Lock()
@@ -142,8 +144,9 @@ def _machine_packed(typing, group, kind):
 @intrinsic
 def _machine_unpacked(typing, place, kind):
     def generate(context, builder, signature, values):
-        shape = context.get_value_type(kind.instance_type)
-        return builder.load(builder.bitcast(values[0], shape.as_pointer()))
+        shape = context.get_value_type(kind.instance_type).as_pointer()
+        is_number = isinstance(place, types.Integer)  # from CPython
+        return builder.load((builder.inttoptr if is_number else builder.bitcast)(values[0], shape))
 
     return kind.instance_type(place, kind), generate
 
@@ -174,9 +177,7 @@ call = (lambda function, *arguments: function(*arguments)) if PLAIN else _machin
 seen_as = _plain_view if PLAIN else _machine_view
 blank_state = (lambda dtype: np.zeros(1, dtype)[0]) if PLAIN else _machine_blank
 place = (lambda items, first: items.reshape(-1)[int(first) :]) if PLAIN else _machine_place
-word_at = (
-    (lambda words, k: words.reshape(-1).view(np.uint8)[8 * int(k) :][:8].view(np.uint64)[0]) if PLAIN else _machine_word
-)
+word_at = (lambda words, k: words.reshape(-1)[int(k)]) if PLAIN else _machine_word
 packed = (lambda group, kind: group) if PLAIN else _machine_packed
 unpacked = (lambda group, kind: group) if PLAIN else _machine_unpacked
 pass_gate = (lambda address: ctypes.CFUNCTYPE(None)(int(address))()) if PLAIN else _machine_gate
@@ -198,12 +199,36 @@ def _one_at_a_time() -> Iterator[None]:
         numba.config.LOOP_VECTORIZE = usual
 
 
+def _laid_out(given: Any) -> Iterator[tuple[Any, str, tuple[Any, ...]]]:
+    """Numbers and arrays, in groups, as machine code has them: of each its kind, formats of `struct`, and values."""
+    if isinstance(given, tuple):
+        for one in given:
+            yield from _laid_out(one)
+        yield (), "0q", ()
+    else:
+        one = np.asarray(given)
+        array = 0, 0, one.size, one.itemsize, one.ctypes.data, *one.shape, *one.strides
+        is_array, kind = isinstance(given, np.ndarray), (one.dtype, one.ndim, one.flags.c_contiguous)
+        yield kind, f"{len(array)}q" if is_array else one.dtype.char, array if is_array else (given,)
+
+
 class Phase(NamedTuple):
-    """A function that is called by its address, and the types of its arguments."""
+    """A function that is called by its address, and the types of its arguments; or one that CPython calls."""
 
     function: Any
     takes: tuple[Any, ...]
     several: bool  # whether loops may handle several robots at once
+    kinds: tuple[Any, ...] = ()  # of what CPython calls it with
+
+    def __call__(self, *given: Any) -> Any:
+        """Put what is given where machine code finds it, and call it with that address."""
+        if PLAIN:
+            return self.function(given)
+        kinds, formats, values = zip(*_laid_out(given), strict=True)
+        if kinds != self.kinds:
+            raise TypeError(f"machine code is called with {kinds} in place of {self.kinds}")
+        there = struct.pack("".join(formats), *itertools.chain(*values))
+        return self.function(np.frombuffer(there, np.uint8).ctypes.data)
 
     def address(self) -> Any:
         """The address of its machine code, compiled or loaded now; the function itself if Numba is switched off."""
@@ -214,6 +239,15 @@ class Phase(NamedTuple):
             self.function.compile(self.takes)
         made = self.function.overloads[self.takes]
         return made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
+
+
+def unpacking(*like: Any) -> Callable[[Any], Phase]:
+    """Make a function that unpacks groups like these a Phase that CPython calls; it makes no array, and returns none.
+
+    Numba's own code for arrays in groups, which CPython passes, takes half a second to compile.
+    """
+    kinds = tuple(kind for kind, *_ in _laid_out(like))
+    return lambda function: Phase(counting_nothing(function), (types.int64,), several=True, kinds=kinds)
 
 
 def phase(*takes: Any) -> Callable[[Any], Phase]:

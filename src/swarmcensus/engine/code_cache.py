@@ -285,6 +285,8 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
             if gc.isenabled():  # little of what a compiler makes is garbage, and to look takes a twentieth of its time
                 gc.disable()
                 held.callback(gc.enable)
+                held.callback(gc.unfreeze)  # moves all to the oldest generation, which is rarely looked at
+                held.callback(gc.freeze)
             if not NATIVE.is_set():  # others go on with what is shipped
                 _take(held, place.parent / f"{stem}.owner")
             return compile_it(signature)

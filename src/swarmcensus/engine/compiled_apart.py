@@ -155,8 +155,7 @@ def take_drowned_away(signals, said, graph, arrivals, count, stops, tick, counts
         if deaf and counts.shape[1] > 0:
             counts[HEARD, to] -= 1
         if not deaf:
-            arrivals[0, kept] = arrivals[0, k]
-            arrivals[1, kept] = arrivals[1, k]
+            arrivals[0, kept], arrivals[1, kept] = arrivals[0, k], arrivals[1, k]
             kept += 1
     return kept
 
@@ -173,8 +172,7 @@ def hear_singly(arguments, tick, said, group, first, last):
     for link in range(first, last):
         to, by = np.int64(graph.receivers[link]), np.int64(graph.senders[link])
         if is_said(signals, said + np.uint64(by)) and arrives(radio, trial, tick, to, by, stops):
-            arrivals[0, count] = to
-            arrivals[1, count] = by
+            arrivals[0, count], arrivals[1, count] = to, by
             count += 1
             if counts.shape[1] > 0:
                 counts[HEARD, to] += 1
@@ -208,8 +206,7 @@ def hear_pairs(arguments, tick, said):
                 continue
             for j in range(robots):
                 if i != j and is_said(signals, said + np.uint64(j)) and arrives(radio, trial, tick, i, j, stops):
-                    arrivals[0, count] = i
-                    arrivals[1, count] = j
+                    arrivals[0, count], arrivals[1, count] = i, j
                     count += 1
             if counts.shape[1] > 0:
                 counts[HEARD, i] += count

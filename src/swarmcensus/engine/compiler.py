@@ -144,15 +144,10 @@ def compile_world(name: str = "world") -> types.ModuleType:
     return module(_loop_files(), name)
 
 
-LOOP_TYPES = {"kernel.simulate": "TO_SIMULATE", "riding.ride": "TO_RIDE", "riding.start_states": "TO_START",
-              "riding.conclude": "TO_CONCLUDE"}  # fmt: skip
-
-
 def compile_loop(name: str) -> None:
-    """Compile one of LOOP_TYPES before there is anything to run; with what it is called is always of the same types."""
+    """Compile one of the engine's loops before there is anything to run: a file's name, a dot, and a function's."""
     file, _, function = name.partition(".")
-    if not not_compiled():
-        getattr(compile_world(file), function).compile(getattr(compile_world("trial_arguments"), LOOP_TYPES[name]))
+    getattr(compile_world(file), function).address()
 
 
 def is_known(world: str, entry: str) -> bool:

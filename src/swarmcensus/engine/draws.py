@@ -32,8 +32,7 @@ def alias_row(weights, row):
         total += weights[c]
     smalls = larges = 0
     for c in range(columns):
-        share[c] = weights[c] / total * columns
-        alias[c] = c
+        share[c], alias[c] = weights[c] / total * columns, c
         if share[c] < 1.0:
             small[smalls] = c
             smalls += 1
@@ -41,8 +40,7 @@ def alias_row(weights, row):
             large[larges] = c
             larges += 1
     while smalls > 0 and larges > 0:
-        s = small[smalls - 1]
-        g = large[larges - 1]
+        s, g = small[smalls - 1], large[larges - 1]
         smalls -= 1
         alias[s] = g
         share[g] -= 1.0 - share[s]

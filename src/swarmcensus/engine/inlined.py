@@ -7,18 +7,23 @@ callers is up to a third slower.
 """
 
 import inspect
+import operator
 import types
 from itertools import islice
 from typing import Any
 
 import numba
+from numba.core import cgutils, ir, typed_passes, untyped_passes
 from numba.core.codegen import CPUCodegen, JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import register_pass
 from numba.core.registry import CPUDispatcher
+from numba.cpython import builtins
+from numba.extending import intrinsic
 
-# older versions of Numba optimise in another way: they compile as they do by themselves
-IS_KNOWN = "llvm_module" not in inspect.signature(CPUCodegen._function_pass_manager).parameters
-
+# other versions of Numba optimise in another way: they compile as they do by themselves
+_ASKED = inspect.signature(CPUCodegen._function_pass_manager).parameters
+IS_KNOWN = "llvm_module" not in _ASKED and hasattr(builtins, "do_minmax")
 
 LARGE = 150  # instructions of a function that LLVM makes no part of its callers, unless it has to
 
@@ -95,17 +100,72 @@ class _Part(_Library):
         return 0
 
 
+def _of_several(compare: Any) -> Any:
+    """One of `min` and `max` of several numbers as instructions: Numba compiles a function for each kind of numbers."""
+
+    @intrinsic
+    def chosen(typing: Any, *numbers: Any) -> Any:
+        def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
+            return builtins.do_minmax(context, builder, numbers, cgutils.unpack_tuple(builder, values[0]), compare)
+
+        kind = typing.unify_types(*numbers)
+        return kind and (kind(numba.types.StarArgTuple(numbers)), generate)
+
+    return chosen
+
+
+LEAST_AND_MOST = {min: _of_several(operator.lt), max: _of_several(operator.gt)}
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _Names(untyped_passes.IRProcessing):  # type: ignore[misc]
+    """Put LEAST_AND_MOST in the place of what Numba has, where they are called with several arguments."""
+
+    _name = "names"
+
+    def run_pass(self, state: Any) -> bool:
+        blocks = state.func_ir.blocks.values()
+        made = {one.target.name: one for block in blocks for one in block.find_insts(ir.Assign)}
+        calls = (call for block in blocks for call in block.find_exprs("call") if len(call.args) > 1)
+        for named in (made[call.func.name] for call in calls):
+            if isinstance(named.value, ir.Global) and isinstance(named.value.value, types.BuiltinFunctionType):
+                own = LEAST_AND_MOST.get(named.value.value, named.value.value)
+                named.value = ir.Global(named.value.name, own, named.loc)
+        return bool(super().run_pass(state))
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _OfArrays(typed_passes.NopythonRewrites):  # type: ignore[misc]
+    """Put operations on whole arrays together to one loop, as Numba does, only where there are some."""
+
+    _name = "expressions of arrays"
+
+    def run_pass(self, state: Any) -> bool:
+        made = (of for one, of in state.calltypes.items() if getattr(one, "op", "") in ("unary", "binop", "call"))
+        is_any = any(of and isinstance(of.return_type, numba.types.Array) for of in made)
+        return is_any and bool(super().run_pass(state))
+
+
+OWN = {untyped_passes.IRProcessing: _Names, typed_passes.NopythonRewrites: _OfArrays}
+OF_FUNCTIONS = untyped_passes.InlineClosureLikes, untyped_passes.MakeFunctionToJitFunction  # passes for those inside it
+
+
 class Whole(Compiler):
     """How Numba compiles a function that is called by CPython or by its address."""
 
     kind = _Library
 
     def define_pipelines(self) -> Any:
-        """Numba's own steps, for another kind of library."""
+        """Numba's own steps without those that have nothing to do, for another kind of library."""
+        pipelines = super().define_pipelines()
         if IS_KNOWN:
             self.state.library = self.kind(self.state.targetctx.codegen(), "engine")
             self.state.library.enable_object_caching()
-        return super().define_pipelines()
+            holds_functions = any(isinstance(value, types.CodeType) for value in self.state.func_id.code.co_consts)
+            passes = [one for one in pipelines[0].passes if holds_functions or one[0] not in OF_FUNCTIONS]
+            pipelines[0].passes = [(OWN.get(one, one), name) for one, name in passes]
+            pipelines[0].finalize()
+        return pipelines
 
 
 class Inside(Whole):

@@ -6,9 +6,9 @@ Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the ad
 
 import numpy as np
 
-from swarmcensus.engine.calling import call, packed, place
+from swarmcensus.engine.calling import call, packed, place, unpacked, unpacking
 from swarmcensus.engine.changes import source_with
-from swarmcensus.engine.compiling import counting_nothing, entry, loop
+from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.constants import (
     AGREED,
     ALL_ALONE,
@@ -48,7 +48,7 @@ from .states import (
     judge,
     sensors_of,
 )
-from .trial_arguments import ARGUMENTS, INTERVALS_OF_TRIAL, SOURCE, TrialArguments
+from .trial_arguments import ARGUMENTS, INTERVALS_OF_TRIAL, SIMULATION, SOURCE, TO_SIMULATE, TrialArguments
 
 tally_of, intervals_of = map(loop(inline="always"), (Tally.of_trial, Intervals.of_trial))
 
@@ -77,10 +77,8 @@ def agreed_together(team, swarm, rows, rounds, first, delta, room, agreed, answe
     return since if since >= 0.0 else agreed
 
 
-@counting_nothing
-def simulate(
-    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member, work
-):  # fmt: skip
+@unpacking(*TO_SIMULATE)
+def simulate(groups):
     """Run a batch of trials from blank states to their metrics; False if stopped.
 
     `given` are their inputs; all groups are those of `layout.py`. With `local`, robots hear nobody and `rounds` counts
@@ -95,6 +93,10 @@ def simulate(
     Several threads may run this at the same time, each as a `member` of a team (`shared_trials.py`) with a `swarm` of
     its own blocks, room to `work` in, and all else in common.
     """
+    (
+        swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member,
+        work,
+    ) = unpacked(groups, SIMULATION)  # fmt: skip
     memory, outbox, signals, rows = states
     sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
     robots, segment, checkpoints = memory.shape[0], rows.shape[0], intervals.checkpoints
@@ -277,8 +279,7 @@ def follow(
         count = 0
         for m in range(first, last):
             if is_said(signals, np.uint64(senders[m])):
-                arrivals[0, count] = receivers[m]
-                arrivals[1, count] = senders[m]
+                arrivals[0, count], arrivals[1, count] = receivers[m], senders[m]
                 if swarm.draws.size > 0:
                     message_draws[count] = word_of(swarm.draws[2], swarm.draws[3], ZERO, s + 1, ZERO, m)
                 count += 1

@@ -41,8 +41,7 @@ STRAIGHT_SWEEPS = 100  # then pushes are tilted by 45 degrees, so that a row jam
 @loop(forceinline=True)
 def walls_along(k, dx, dy, x, y, half, rays):
     """Set rays k and k + 4, of direction (dx, dy) and opposite, to their lengths from (x, y) to the walls."""
-    per_x = 1.0 / max(abs(dx), TINY)
-    per_y = 1.0 / max(abs(dy), TINY)
+    per_x, per_y = 1.0 / max(abs(dx), TINY), 1.0 / max(abs(dy), TINY)
     along_x = x if dx > 0.0 else -x
     along_y = y if dy > 0.0 else -y
     rays[k] = min((half - along_x) * per_x, (half - along_y) * per_y)
@@ -62,13 +61,10 @@ def disc_along(k, along, across, radius, rays):
 @loop()
 def obstacle(state, i, body, half, first, last, gaps, rays, which):
     """The mean of the proximity ring's readings, as a vector in the body's frame; `rays` is room for the ring."""
-    ahead = 0.0
-    aside = 0.0
+    ahead = aside = 0.0
     reach = body.radius + body.proximity_range
-    x = state[X, i]
-    y = state[Y, i]
-    c = state[COS, i]
-    s = state[SIN, i]
+    x, y = state[X, i], state[Y, i]
+    c, s = state[COS, i], state[SIN, i]
     met = max(abs(x), abs(y)) > half - reach
     if met:
         walls_along(AHEAD[0], c, s, x, y, half, rays)
@@ -76,15 +72,13 @@ def obstacle(state, i, body, half, first, last, gaps, rays, which):
         walls_along(AHEAD[2], -s, c, x, y, half, rays)
         walls_along(AHEAD[3], -(s + c) * DIAGONAL, (c - s) * DIAGONAL, x, y, half, rays)
     for e in range(first, last):
-        gx = gaps[0, e]
-        gy = gaps[1, e]
+        gx, gy = gaps[0, e], gaps[1, e]
         if gx * gx + gy * gy < (reach + body.radius) * (reach + body.radius):
             if not met:
                 met = True
                 for k in range(RAYS):
                     rays[k] = np.inf
-            forth = c * gx + s * gy
-            left = c * gy - s * gx
+            forth, left = c * gx + s * gy, c * gy - s * gx
             disc_along(AHEAD[0], forth, left, body.radius, rays)
             disc_along(AHEAD[1], (forth + left) * DIAGONAL, (left - forth) * DIAGONAL, body.radius, rays)
             disc_along(AHEAD[2], left, forth, body.radius, rays)
@@ -132,10 +126,8 @@ def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tic
 @loop(forceinline=True)
 def turn_by(turn, lag, out):
     """Fill `out` with the cosine and sine of the part of a turn before new wheel speeds take hold, and after."""
-    out[0] = math.cos(turn * lag)
-    out[1] = math.sin(turn * lag)
-    out[2] = math.cos(turn * (1.0 - lag))
-    out[3] = math.sin(turn * (1.0 - lag))
+    out[0], out[1] = math.cos(turn * lag), math.sin(turn * lag)
+    out[2], out[3] = math.cos(turn * (1.0 - lag)), math.sin(turn * (1.0 - lag))
 
 
 @loop(forceinline=True)
@@ -151,10 +143,8 @@ def set_wheels(state, i, body, turns, speed, turn):
         which = 0 if turn == body.turn else (1 if turn == -body.turn else 2)
         if which == 2:
             turn_by(turn, body.lag, turns[2])
-        state[COS_LATE, i] = turns[which, 0]
-        state[SIN_LATE, i] = turns[which, 1]
-        state[COS_THEN, i] = turns[which, 2]
-        state[SIN_THEN, i] = turns[which, 3]
+        state[COS_LATE, i], state[SIN_LATE, i] = turns[which, 0], turns[which, 1]
+        state[COS_THEN, i], state[SIN_THEN, i] = turns[which, 2], turns[which, 3]
 
 
 @loop(forceinline=True)
@@ -163,8 +153,7 @@ def go(state, i, share, cosine, sine):
     c = state[COS, i] * cosine - state[SIN, i] * sine
     s = state[SIN, i] * cosine + state[COS, i] * sine
     stretch = 1.5 - 0.5 * (c * c + s * s)  # one Newton step keeps the heading a unit vector
-    state[COS, i] = c * stretch
-    state[SIN, i] = s * stretch
+    state[COS, i], state[SIN, i] = c * stretch, s * stretch
     state[X, i] += state[SPEED, i] * share * state[COS, i]
     state[Y, i] += state[SPEED, i] * share * state[SIN, i]
 
@@ -190,13 +179,10 @@ def part(state, body, limit, close, pairs, pushed, sweep):
     pushed[:] = 0.0
     while sweep < SWEEPS:
         sweep += 1
-        worst = 0.0
-        furthest = 0.0
+        worst = furthest = 0.0
         for e in range(pairs):
-            i = close[e, 0]
-            j = close[e, 1]
-            dx = state[X, j] - state[X, i]
-            dy = state[Y, j] - state[Y, i]
+            i, j = close[e, 0], close[e, 1]
+            dx, dy = state[X, j] - state[X, i], state[Y, j] - state[Y, i]
             square = dx * dx + dy * dy
             if square < apart * apart:
                 d = math.sqrt(square)

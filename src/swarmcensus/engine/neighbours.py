@@ -33,8 +33,7 @@ def sort_into_cells(state, half, size, heads, following):
 @loop(forceinline=True)
 def square_distance(state, i, j):
     """The squared distance between the centres of two robots."""
-    dx = state[X, j] - state[X, i]
-    dy = state[Y, j] - state[Y, i]
+    dx, dy = state[X, j] - state[X, i], state[Y, j] - state[Y, i]
     return dx * dx + dy * dy
 
 
@@ -47,11 +46,8 @@ def list_pairs(state, half, reach, neighbours):
     """
     first, others, room = neighbours.first, neighbours.others, neighbours.room
     heads, following = neighbours.heads, neighbours.following
-    robots = state.shape[1]
-    reach2 = reach * reach
-    side = heads.shape[0]
-    size = 2.0 * half / side
-    crowd = robots > ALL_PAIRS
+    robots, reach2, side = state.shape[1], reach * reach, heads.shape[0]
+    size, crowd = 2.0 * half / side, robots > ALL_PAIRS
     if crowd:
         sort_into_cells(state, half, size, heads, following)
     room[:] = 0
@@ -98,27 +94,22 @@ def measure(state, reach2, close2, neighbours):
     touching = np.uint64(0)
     around[:] = 0
     for i in range(robots):
-        x = state[X, i]
-        y = state[Y, i]
+        x, y = state[X, i], state[Y, i]
         lower[i] = around[i]
         place = room[i] + around[i]
         for e in range(first[i], first[i + 1]):
             j = others[e]
-            dx = state[X, j] - x
-            dy = state[Y, j] - y
+            dx, dy = state[X, j] - x, state[Y, j] - y
             square = dx * dx + dy * dy
             if square < reach2:
                 other_place = room[j] + around[j]
                 near[place] = j
-                gaps[0, place] = dx
-                gaps[1, place] = dy
+                gaps[0, place], gaps[1, place] = dx, dy
                 place += np.uint64(1)
                 near[other_place] = i
-                gaps[0, other_place] = -dx
-                gaps[1, other_place] = -dy
+                gaps[0, other_place], gaps[1, other_place] = -dx, -dy
                 around[j] += np.uint64(1)
-                close[touching, 0] = i
-                close[touching, 1] = j
+                close[touching, 0], close[touching, 1] = i, j
                 touching += np.uint64(square < close2)
         around[i] = place - room[i]
     return touching
@@ -132,8 +123,7 @@ def have_strayed(state, anchors, skin):
     """
     strayed = False
     for i in range(state.shape[1]):
-        dx = state[X, i] - anchors[X, i]
-        dy = state[Y, i] - anchors[Y, i]
+        dx, dy = state[X, i] - anchors[X, i], state[Y, i] - anchors[Y, i]
         strayed |= 4.0 * (dx * dx + dy * dy) > SURE * skin * skin
     return strayed
 
@@ -145,8 +135,7 @@ def look_around(bodies, neighbours):
     if have_strayed(state, anchors, body.skin):
         list_pairs(state, bodies.half, body.reach + body.skin, neighbours)
         for i in range(state.shape[1]):
-            anchors[X, i] = state[X, i]
-            anchors[Y, i] = state[Y, i]
+            anchors[X, i], anchors[Y, i] = state[X, i], state[Y, i]
     neighbours.pairs[0] = measure(state, body.reach * body.reach, body.touched * body.touched, neighbours)
 
 
@@ -175,8 +164,7 @@ def listen(i, radio2, blind, radius, neighbours):
     start = room[i]
     end = start + around[i]
     for e in range(start + lower[i], end):
-        dx = gaps[0, e]
-        dy = gaps[1, e]
+        dx, dy = gaps[0, e], gaps[1, e]
         if dx * dx + dy * dy < radio2:
             seen = np.uint64(blind or in_sight(dx, dy, start, end, gaps, radius))
             j = near[e]

@@ -22,31 +22,23 @@ def mix(a, b, r):
     return a, b ^ a
 
 
+@loop(forceinline=True)
+def mix_four(a, b, p, q, r, s):
+    """Four rounds of it."""
+    a, b = mix(a, b, p)
+    a, b = mix(a, b, q)
+    a, b = mix(a, b, r)
+    return mix(a, b, s)
+
+
 @loop(from_cpython=True)
 def block(k0, k1, c0, c1):
     """Two uint64 that are uniform and independent over counters (c0, c1), under the key (k0, k1)."""
     k2 = PARITY ^ k0 ^ k1
-    a = c0 + k0
-    b = c1 + k1
-    a, b = mix(a, b, U(16))
-    a, b = mix(a, b, U(42))
-    a, b = mix(a, b, U(12))
-    a, b = mix(a, b, U(31))
-    a = a + k1
-    b = b + k2 + U(1)
-    a, b = mix(a, b, U(16))
-    a, b = mix(a, b, U(32))
-    a, b = mix(a, b, U(24))
-    a, b = mix(a, b, U(21))
-    a = a + k2
-    b = b + k0 + U(2)
-    a, b = mix(a, b, U(16))
-    a, b = mix(a, b, U(42))
-    a, b = mix(a, b, U(12))
-    a, b = mix(a, b, U(31))
-    a = a + k0
-    b = b + k1 + U(3)
-    return mix(a, b, U(16))
+    a, b = mix_four(c0 + k0, c1 + k1, U(16), U(42), U(12), U(31))
+    a, b = mix_four(a + k1, b + k2 + U(1), U(16), U(32), U(24), U(21))
+    a, b = mix_four(a + k2, b + k0 + U(2), U(16), U(42), U(12), U(31))
+    return mix(a + k0, b + k1 + U(3), U(16))
 
 
 @loop(from_cpython=True)
@@ -88,15 +80,10 @@ def to_single(x):
 @loop(from_cpython=True)
 def words(key, trial, tick, part, first, size, out):
     """Fill out[:size], a uint64 for each robot from `first` (even): robots 2j and 2j + 1 share block j."""
-    k0 = key[0]
-    k1 = key[1]
-    c0 = counter(trial, tick)
+    k0, k1, c0 = key[0], key[1], counter(trial, tick)
     high = counter(part, uint64(first) >> U(1))
     pairs = size // 2
     for j in range(pairs):
-        a, b = block(k0, k1, c0, high + uint64(j))
-        out[2 * j] = a
-        out[2 * j + 1] = b
+        out[2 * j], out[2 * j + 1] = block(k0, k1, c0, high + uint64(j))
     if size % 2 == 1:
-        a, b = block(k0, k1, c0, high + uint64(pairs))
-        out[size - 1] = a
+        out[size - 1], _ = block(k0, k1, c0, high + uint64(pairs))

@@ -5,9 +5,9 @@ Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the ad
 
 import numpy as np
 
-from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.calling import call, place, unpacked, unpacking
 from swarmcensus.engine.changes import accuracy_in
-from swarmcensus.engine.compiling import counting_nothing, entry, loop
+from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.constants import (
     AGREED,
     ASK,
@@ -56,11 +56,13 @@ from .states import (
     sensors_of,
     silence_failed,
 )
+from .trial_arguments import END, RIDE, START, TO_CONCLUDE, TO_RIDE, TO_START
 
 
-@counting_nothing
-def start_states(swarm, given, states, start, tally, work):
+@unpacking(*TO_START)
+def start_states(groups):
     """Blank states of one trial, their first messages, and their estimates `start` (1, robot)."""
+    swarm, given, states, start, tally, work = unpacked(groups, START)
     memory, outbox, signals = states.memory, states.outbox, states.signals
     count_known(swarm, tally.counts, given.stops[0], states.rows.shape[0], 0, memory.shape[0])
     blank_states(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
@@ -100,8 +102,7 @@ def hear_each(swarm, states, work, radio, counts, stops, trial, tick, said, hear
                 continue
             for e in range(heard[i], heard[i + 1]):
                 if is_said(signals, said + senders[e]) and arrives(radio, trial, tick, i, senders[e], stops):
-                    arrivals[0, count] = i
-                    arrivals[1, count] = senders[e]
+                    arrivals[0, count], arrivals[1, count] = i, senders[e]
                     count += 1
             counts[HEARD, i] += count - before
         if swarm.draws.size > 0:
@@ -110,9 +111,10 @@ def hear_each(swarm, states, work, radio, counts, stops, trial, tick, said, hear
         call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 
 
-@counting_nothing
-def ride(swarm, given, states, tally, intervals, chunk, work, black, recorded, stop):
+@unpacking(*TO_RIDE)
+def ride(groups):
     """`live_on` for CPython, in the only trial `given`."""
+    swarm, given, states, tally, intervals, chunk, work, black, recorded, stop = unpacked(groups, RIDE)
     sensors, radio, stops = sensors_of(given.sensors, 0), given.radio, given.stops[0]
     live_on(swarm, states, work, sensors, radio, stops, tally, intervals, chunk, black, recorded, given.first, stop)
 
@@ -226,8 +228,7 @@ def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
             address = swarm.functions[group, ASK]
             call(address, place(memory, swarm.bases[group]), commands, n, a, z, place(draws, np.int64(a)))
     for i in range(memory.shape[0]):
-        speed = commands[1, i] * body[0].tick
-        turn = commands[2, i] * body[0].tick
+        speed, turn = commands[1, i] * body[0].tick, commands[2, i] * body[0].tick
         if not (abs(speed) < 1e300 and abs(turn) < 1e300):
             commands[0, i] = tick
             raise ValueError("steer returned a speed or a turn that is not a finite number")
@@ -236,17 +237,17 @@ def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
             load += abs(speed) / speeds[i] if speeds[i] > 0.0 else np.inf
         if turn != 0.0:
             load += abs(turn) / body[0].turn if body[0].turn > 0.0 else np.inf
-        commands[1, i] = speed / max(load, 1.0)
-        commands[2, i] = turn / max(load, 1.0)
+        commands[1, i], commands[2, i] = speed / max(load, 1.0), turn / max(load, 1.0)
 
 
-@counting_nothing
-def conclude(swarm, rows, start, delta, work, where, value, wrong, checkpoints, disagreement):
+@unpacking(*TO_CONCLUDE)
+def conclude(groups):
     """Convergence index and estimate there (robot) of whole curves: `start` is index 0, `rows` are 1 and on.
 
     `wrong` (3) gets the first invalid estimate, and `disagreement` (checkpoint) that of the `checkpoints`, as in
     `Measures`. Returns the first index from which on it stays within delta; infinite for never.
     """
+    swarm, rows, start, delta, work, where, value, wrong, checkpoints, disagreement = unpacked(groups, END)
     rounds, robots = rows.shape
     helpers, honest = swarm.helpers, swarm.honest
     call(helpers[FIRST_WRONG], start, 1, robots, 0, honest, honest.size, wrong)
@@ -264,10 +265,8 @@ def conclude(swarm, rows, start, delta, work, where, value, wrong, checkpoints, 
                 row = place(rows, (checkpoints[c] - 1) * robots)
                 call(helpers[HALF_WIDTH], row, robots, honest, honest.size, room, place(disagreement, c))
     for i in range(robots):
-        low[i] = np.inf
-        high[i] = -np.inf
-        where[i] = rounds
-        value[i] = rows[rounds - 1, i]
+        low[i], high[i] = np.inf, -np.inf
+        where[i], value[i] = rounds, rows[rounds - 1, i]
     call(helpers[SETTLED], rows, rounds, robots, 1, delta, low, high, where, value, 0, robots, answer)
     if answer[0] != 0.0:
         call(helpers[SETTLED], start, 1, robots, 0, delta, low, high, where, value, 0, robots, answer)

@@ -71,18 +71,15 @@ def field(tiles, key, trial, first, nodes, weights, out):
     place of a tile between two nodes, with squares that sum to 1: so the field is N(0, 1) everywhere. `nodes` are
     those of `fill_nodes`; beyond them a node is computed when it is met.
     """
-    apart = weights.shape[0]
-    taps = weights.shape[1]
+    apart, taps = weights.shape
     for k in range(tiles.shape[0]):
         for i in range(tiles.shape[1]):
-            column = tiles[k, i, 0] // apart
-            row = tiles[k, i, 1] // apart
+            column, row = tiles[k, i, 0] // apart, tiles[k, i, 1] // apart
             across = weights[tiles[k, i, 0] - column * apart]
             down = weights[tiles[k, i, 1] - row * apart]
             column += 1 - taps // 2
             row += 1 - taps // 2
-            left = column - first
-            low = row - first
+            left, low = column - first, row - first
             if left >= 0 and low >= 0 and left + taps <= nodes.shape[1] and low + taps <= nodes.shape[0]:
                 out[k, i] = smooth_near(nodes, np.uint64(low), np.uint64(left), down, across)
             else:

@@ -55,21 +55,18 @@ def place(bodies, trial, size, heads, following):
                 for n in range(max(b - 1, 0), min(b + 2, side)):
                     j = heads[m, n]
                     while j >= 0 and free:
-                        dx = x - state[X, j]
-                        dy = y - state[Y, j]
+                        dx, dy = x - state[X, j], y - state[Y, j]
                         free = dx * dx + dy * dy >= 4.0 * radius * radius
                         j = following[j]
             if free:
                 break
-        state[X, i] = x
-        state[Y, i] = y
+        state[X, i], state[Y, i] = x, y
         following[i] = heads[a, b]
         heads[a, b] = i
         p, _ = block(key[0], key[1], counter(trial, np.int64(0)), counter(np.int64(2), i))
         state[COS, i] = math.cos(2.0 * math.pi * unit(p))
         state[SIN, i] = math.sin(2.0 * math.pi * unit(p))
-        state[COS_LATE, i] = 1.0
-        state[COS_THEN, i] = 1.0
+        state[COS_LATE, i] = state[COS_THEN, i] = 1.0
     return True
 
 
@@ -108,13 +105,12 @@ def walk(bodies, neighbours, stops, trial, chunk, stop):
             speed = state[PACE, i] if move == STRAIGHT else 0.0
             turn = body.turn if move == LEFT else (-body.turn if move == RIGHT else 0.0)
             if commands.shape[1] > 0 and able and not avoiding and commands[0, i] > 0.0:
-                speed = commands[1, i]
-                turn = commands[2, i]
+                speed, turn = commands[1, i], commands[2, i]
                 state[LEFT_TICKS, i] = 0.0
             set_wheels(state, i, body, turns, speed, turn)
             go(state, i, 1.0 - body.lag, state[COS_THEN, i], state[SIN_THEN, i])
             keep_inside(state, i, half - body.radius)
-        sweep = 0
+        sweep = np.int64(0)  # `part` would be compiled for a literal, too
         while sweep < SWEEPS:
             sweep = part(state, body, half - body.radius, close, pairs[0], pushed, sweep)
             look_around(bodies, neighbours)
@@ -127,10 +123,8 @@ def walk(bodies, neighbours, stops, trial, chunk, stop):
             heard[np.uint64(k) * robots + i + np.uint64(1)] = used
             x = state[X, i] + body.sensor_x * state[COS, i] - body.sensor_y * state[SIN, i]
             y = state[Y, i] + body.sensor_x * state[SIN, i] + body.sensor_y * state[COS, i]
-            tiles[k, i, 0] = math.floor(x / body.tile)
-            tiles[k, i, 1] = math.floor(y / body.tile)
+            tiles[k, i, 0], tiles[k, i, 1] = math.floor(x / body.tile), math.floor(y / body.tile)
             if poses.shape[0] > 0:
-                poses[k, i, 0] = state[X, i]
-                poses[k, i, 1] = state[Y, i]
+                poses[k, i, 0], poses[k, i, 1] = state[X, i], state[Y, i]
                 poses[k, i, 2] = math.atan2(state[SIN, i], state[COS, i])
     return looked.shape[0]

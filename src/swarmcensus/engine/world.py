@@ -31,8 +31,7 @@ def draw_normal(key, first_trial, mean, sd, out):
     Rejection from a uniform on [0, 1] or, where that is narrower, nine deviations either side: what lies
     further out has a probability below 2^-53.
     """
-    low = max(0.0, mean - 9.0 * sd)
-    high = min(1.0, mean + 9.0 * sd)
+    low, high = max(0.0, mean - 9.0 * sd), min(1.0, mean + 9.0 * sd)
     for trial in range(out.shape[0]):
         for i in range(out.shape[1]):
             attempt = 0
@@ -90,9 +89,7 @@ def round_readings(sensors, trial, out):
 def single_readings(sensors, trial, out):
     """Fill `out` (observation, robot) with the single readings of a trial, 1 for black."""
     robots, looks = out.shape[1], sensors.looks
-    bits = np.zeros(robots, np.uint64)
-    blacks = np.zeros(robots)
-    source = source_of(sensors)
+    bits, blacks, source = np.zeros(robots, np.uint64), np.zeros(robots), source_of(sensors)
     for step in range(out.shape[0]):
         left = looks - step % looks
         if left == looks:

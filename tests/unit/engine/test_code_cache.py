@@ -13,7 +13,22 @@ from swarmcensus.engine import code_cache
 from swarmcensus.support.owners import Owner
 from tests.support.places import ROOT
 
-TINY = "from swarmcensus.engine.compiling import entry\n\n\n@entry\ndef double(x):\n    return 2 * x\n"
+TINY = """from numba import typeof
+from swarmcensus.engine.calling import unpacked, unpacking
+from swarmcensus.engine.compiling import entry
+
+@entry
+def double(x):
+    return 2 * x
+
+PAIR = 1.5, 2
+KIND = typeof(PAIR)
+
+@unpacking(*PAIR)
+def product(pair):
+    x, y = unpacked(pair, KIND)
+    return x * y
+"""
 FILES = {"__init__.py": "", "tiny.py": TINY}
 CODE = f"""
 from swarmcensus.engine import code_cache
@@ -150,6 +165,7 @@ def test_shipped_code_is_used_until_there_is_native_code(damage, tmp_path, ran):
 
 
 def test_processes_share_one_compilation(tmp_path, ran):
+    """One compiles beforehand what the other calls."""
     code = f"""
 import os, time
 from numba.core import caching
@@ -165,8 +181,8 @@ if other := os.fork():
     caching.IndexDataCacheFile._save_data = slowly
 else:
     os.read(go, 1)
-tiny.double(21)
-os.write(1, b"%d\\n" % sum(tiny.double.stats.cache_misses.values()))
+assert tiny.product.address() if other else tiny.product(10.5, 4) == 42.0
+os.write(1, b"%d\\n" % sum(tiny.product.function.stats.cache_misses.values()))
 os._exit(os.waitpid(other, 0)[1] if other else 0)
 """
     assert sorted(ran(tmp_path / "cache", code=code).split()) == ["0", "1"]

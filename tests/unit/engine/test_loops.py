@@ -6,25 +6,18 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine import code_cache
-from swarmcensus.engine.compiler import LOOP_TYPES, compile_helpers, compile_world
+from swarmcensus.engine.compiler import compile_helpers, compile_world
 from swarmcensus.engine.constants import HEAR_PAIRS, HELPERS
-from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import Metrics, run_batch
-from tests.support.small import study_of
 
 
 @pytest.mark.skipif(code_cache.not_compiled(), reason="Numba is switched off")
-def test_each_loop_is_compiled_for_one_kind_of_arguments():
-    """Else the first run would compile it twice."""
-    for given in (
-        {"topology": ["ring", "full"], "link_success": [1.0, 0.5], "robots": [2, 300]}, {"ticks": 5},
-        {"brain": "census", "message_delay": 2, "faults": [{"at": 2, "robots": 0.5, "stop": "talking"}]},
-    ):  # fmt: skip
-        run(study_of(trials=2, **given), progress=False)
-    types = compile_world("trial_arguments")
-    for name, takes in LOOP_TYPES.items():
-        file, _, function = name.partition(".")
-        assert getattr(compile_world(file), function).signatures == [getattr(types, takes)], name
+def test_machine_code_is_called_with_arrays_of_its_kinds_alone():
+    conclude = compile_world("riding").conclude
+    swarm, rows, *others = compile_world("trial_arguments").TO_CONCLUDE
+    for wrong in (rows.astype(np.float32), rows.ravel(), np.ones((3, 2)).T):
+        with pytest.raises(TypeError, match="machine code is called with"):
+            conclude(swarm, wrong, *others)
 
 
 def test_only_what_is_needed_of_the_engine_is_compiled():
