@@ -153,7 +153,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
     # the engine's loop may be lacking too; robots that steer have another one, which this process compiles
-    needs_loop = bool(new) and not _engine_is_compiled(new[0][0]) and not new[0][0].steers
+    needs_loop = bool(new) and not compiler.is_known(*_loop_of(new[0][0])) and not new[0][0].steers
     alone = not code_cache.keeps() or not (both or needs_loop)
     aside: Callable[[], None] = partial(_run_each, moving) if both else lambda: _prepare(*new[0], aside=True)
     if not alone:
@@ -199,11 +199,6 @@ def _prepare(setting: Setting, study: Study, aside: bool) -> None:
     """Compile half of what one kind of swarm needs; if its brain fails, the real run reports it."""
     with contextlib.suppress(Exception):
         prepare(setting, study.seed, aside)
-
-
-def _engine_is_compiled(setting: Setting) -> bool:
-    """Whether the engine's loop for such robots is in the cache on disk."""
-    return compiler.is_known(*_loop_of(setting))
 
 
 def _loop_of(setting: Setting) -> tuple[str, str]:
