@@ -182,11 +182,12 @@ def _make_native(tiny: list[tuple[Setting, Study]]) -> None:
 
 
 def _kind_of_swarm(setting: Setting) -> str:
-    """A setting's brains, whether robots move, and their numbers: what machine code depends on."""
+    """A setting's brains, how messages arrive or robots move, and their numbers: what machine code depends on."""
     brains = " and ".join(brain.name for brain in setting.brains)
     formats = f", {setting.precision} precision, messages as {setting.message}"
     formats = "" if setting.brain.numbers == PLAIN else formats
-    return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}{formats}"
+    messages = "late" if setting.message_delay else setting.use
+    return f"{brains}, {'robots that move' if setting.body else f'networks, messages {messages}'}{formats}"
 
 
 def _run_each(tiny: list[tuple[Setting, Study]]) -> None:
@@ -217,10 +218,8 @@ def _pieces(setting: Setting, study: Study) -> set[compiler.Piece]:
 @interruptible
 def _run_once(setting: Setting, study: Study) -> None:
     """Run one trial of a tiny setting; if its brain fails, the real run reports it."""
-    kinds: list[Literal["ride", "batch", "local"]] = ["ride"] if setting.body else ["batch"]
-    if study.measure.local and not setting.body:
-        kinds.append("local")
-    for kind in kinds:
+    kinds: tuple[Literal["ride", "batch", "local"], ...] = ("ride",) if setting.body else ("batch", "local")
+    for kind in kinds[: 1 + study.measure.local]:
         run_bundle([setting], 0, (Task(kind, (0,), 0, 1, 0.0),), metrics_of(study), np.zeros(1, np.uint8))
 
 
