@@ -6,6 +6,7 @@ A brain may hang or crash the process that runs it. So all checks are made in on
 import ast
 import faulthandler
 import json
+import logging
 import os
 import re
 import signal
@@ -32,6 +33,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import bound_memory, end_with
 from swarmcensus.support.printed_tables import Column, Table
 
+LOG = logging.getLogger(__name__)
 PATIENCE = 60.0  # seconds for a check; those of shipped brains take less than one, and compiling them eight
 MANY_NUMBERS = 250  # numbers in a state from which on a check gets more time
 MEMORY_BYTES = 4 << 30  # by which the process may grow; compiling takes 0.6 GiB
@@ -69,6 +71,7 @@ def check(brain: str | Path, *, wrapping: str = "") -> Conformance:
     except InputError as error:
         made = [Check(KEEPS, str(error))]
     else:
+        LOG.info("checking %s, which is compiled for it: some seconds", brain)
         notes = notes_on(brain, read, wrapping)
         made = run_checks(brain, read, wrapping)
     faults = [one for one in made if one.fault is not None]

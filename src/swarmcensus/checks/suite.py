@@ -52,9 +52,7 @@ def brain_to_check(path: str | Path, wrapping: str = "") -> brains.Brain:
             raise BrainError.named("brain", str(path), f"{hint}there is no brain, adversary or file of this name")
         if wrapping:
             raise wrong_option(
-                "wrapping",
-                wrapping,
-                f"{path} has no lie(me, x), so it is no adversary, and only adversaries wrap a brain",
+                "wrapping", wrapping, f"{path} has no lie(me, x), so it is no adversary; only adversaries wrap a brain"
             )
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wrapping or DEFAULT_BRAIN)

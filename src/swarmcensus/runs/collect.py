@@ -114,12 +114,7 @@ def _outcome_of(pool: Pool, future: Future[Outcome], bundle: Bundle) -> Outcome:
         why = pool.why_lost(error)
         if why is None:
             raise
-        return [
-            Failure(number, task.first + k, why)
-            for task in bundle
-            for number in task.settings
-            for k in range(task.trials)
-        ]
+        return [Failure(s, task.first + k, why) for task in bundle for s in task.settings for k in range(task.trials)]
 
 
 def _store_outcome(state: State, outcome: Outcome, bundle: Bundle) -> None:

@@ -153,7 +153,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
     # the engine's loop may be lacking too; robots that steer have another one, which this process compiles
-    needs_loop = bool(new) and not _engine_is_compiled(new[0][0]) and not new[0][0].steers
+    needs_loop = bool(new) and not compiler.is_known(*_loop_of(new[0][0])) and not new[0][0].steers
     alone = not code_cache.keeps() or not (both or needs_loop)
     aside: Callable[[], None] = partial(_run_each, moving) if both else lambda: _prepare(*new[0], aside=True)
     if not alone:
@@ -182,11 +182,12 @@ def _make_native(tiny: list[tuple[Setting, Study]]) -> None:
 
 
 def _kind_of_swarm(setting: Setting) -> str:
-    """A setting's brains, whether robots move, and their numbers: what machine code depends on."""
+    """A setting's brains, how messages arrive or robots move, and their numbers: what machine code depends on."""
     brains = " and ".join(brain.name for brain in setting.brains)
     formats = f", {setting.precision} precision, messages as {setting.message}"
     formats = "" if setting.brain.numbers == PLAIN else formats
-    return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}{formats}"
+    messages = "late" if setting.message_delay else setting.use
+    return f"{brains}, {'robots that move' if setting.body else f'networks, messages {messages}'}{formats}"
 
 
 def _run_each(tiny: list[tuple[Setting, Study]]) -> None:
@@ -199,11 +200,6 @@ def _prepare(setting: Setting, study: Study, aside: bool) -> None:
     """Compile half of what one kind of swarm needs; if its brain fails, the real run reports it."""
     with contextlib.suppress(Exception):
         prepare(setting, study.seed, aside)
-
-
-def _engine_is_compiled(setting: Setting) -> bool:
-    """Whether the engine's loop for such robots is in the cache on disk."""
-    return compiler.is_known(*_loop_of(setting))
 
 
 def _loop_of(setting: Setting) -> tuple[str, str]:
@@ -222,10 +218,8 @@ def _pieces(setting: Setting, study: Study) -> set[compiler.Piece]:
 @interruptible
 def _run_once(setting: Setting, study: Study) -> None:
     """Run one trial of a tiny setting; if its brain fails, the real run reports it."""
-    kinds: list[Literal["ride", "batch", "local"]] = ["ride"] if setting.body else ["batch"]
-    if study.measure.local and not setting.body:
-        kinds.append("local")
-    for kind in kinds:
+    kinds: tuple[Literal["ride", "batch", "local"], ...] = ("ride",) if setting.body else ("batch", "local")
+    for kind in kinds[: 1 + study.measure.local]:
         run_bundle([setting], 0, (Task(kind, (0,), 0, 1, 0.0),), metrics_of(study), np.zeros(1, np.uint8))
 
 

@@ -77,8 +77,7 @@ def in_notebook() -> bool:
 
 
 def _plain_lines(label: str) -> Report:
-    last, pace = time.monotonic(), _Pace()
-    before = False, ""
+    last, pace, before = time.monotonic(), _Pace(), (False, "")
 
     def show(progress: Progress) -> None:
         nonlocal last, before
@@ -99,28 +98,29 @@ def _line(label: str, progress: Progress, speed: tuple[str, str]) -> str:
 
 
 class _Pace:
-    """The rate of a run's trials and the time left, measured since its first trial or that of its present part.
+    """The rate of a run's trials and the time left, measured since the start of its present part.
 
     Trials found on disk took no time, and compiling says nothing about the speed of trials.
     """
 
     def __init__(self) -> None:
         self.started = self.begun = time.monotonic()
+        self.work = 0.0  # that was done when this was last asked for
         self.found: tuple[int, float] | None = None  # trials and work that were done then
 
     def of(self, progress: Progress) -> tuple[str, str]:
-        """Both as text; empty while nothing is known."""
+        """Both as text; before anything is done, for how long it has been running, if for a second."""
         now = time.monotonic()
-        new = self.found is None or progress.work_done <= self.found[1]
-        if new or progress.note:
+        if self.found is None or progress.work_done < self.work or progress.note:
             self.begun, self.found = now, None if progress.note else (progress.done, progress.work_done)
-        if self.found is None or now == self.begun:
-            return "", ""
-        trials, work = progress.done - self.found[0], progress.work_done - self.found[1]
-        left = clock((now - self.begun) * (progress.work_total - progress.work_done) / work) + " left"
+        self.work, ran = progress.work_done, now - self.begun
+        if self.found is None or self.work <= self.found[1] or not ran:
+            return clock(ran) * (ran >= 1.0), ""
+        trials, work = progress.done - self.found[0], self.work - self.found[1]
+        left = clock(ran * (progress.work_total - self.work) / work) + " left"
         if progress.part:
             left += f" of {progress.part}, {clock(now - self.started)} so far"
-        return f"{trials / (now - self.begun):,.0f}/s", left
+        return f"{trials / ran:,.0f}/s" if trials >= ran else f"{60.0 * trials / ran:.2g}/min", left
 
 
 @contextlib.contextmanager

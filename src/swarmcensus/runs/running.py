@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -13,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.engine import LeavableThreads
+from swarmcensus.engine.compiler import array_layout
 from swarmcensus.results import ArrayStore, Values, outline, readable, store
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
@@ -23,7 +25,7 @@ from swarmcensus.runs.tasks import Failure, plan_tasks
 from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
 from swarmcensus.summaries import cautions_of_fill_ratios, cautions_of_trials
-from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.errors import InputError, Interrupted, StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
 
@@ -64,6 +66,8 @@ def run(
     if share is not None:
         _check_share(study, share)
     settings = study.settings()
+    if cluster is None:
+        _check_memory(study.name, max(settings, key=lambda setting: setting.robots))
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     if cautions:
         warn_of_needs(settings, study.measure.bins)
@@ -188,6 +192,15 @@ def _check_share(study: Study, share: tuple[int, int]) -> None:
     if not 1 <= share[0] <= share[1] <= study.trials:
         should = f"should be k/n with 1 <= k <= n, and n no more than the study's trials ({study.trials})"
         raise wrong_option("share", shown, should)
+
+
+def _check_memory(name: str, setting: Setting) -> None:
+    """Raise InputError if this machine's memory cannot hold the states of a swarm."""
+    takes = setting.robots * sum(array_layout(brain).record.itemsize for brain in setting.brains)
+    there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") if hasattr(os, "sysconf") else takes
+    if takes > there:
+        why = f"their states take {takes / 1e9:,.0f} GB of memory, and this machine has {there / 1e9:,.0f} GB"
+        raise StudyError.within(f"study {name}", f"robots = {setting.robots}: {why}", "robots", setting.robots)
 
 
 @contextlib.contextmanager

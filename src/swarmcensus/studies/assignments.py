@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from swarmcensus.studies.tables import Tables
 from swarmcensus.support.errors import StudyError
+from swarmcensus.support.formatting import shortened
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option
 from swarmcensus.support.toml_text import read_toml, to_toml_value
@@ -52,7 +53,7 @@ def to_text(value: Any) -> str:
 def with_assignments(where: str, values: Any) -> str:
     """What a study is called in messages, with values in place of its own: "study file s.toml with --set robots=3"."""
     items = values.items() if isinstance(values, Mapping) else ()
-    given = [f"{key}={'' if value is None else to_toml_value(value)}"[:60] for key, value in items]
+    given = [shortened(f"{key}={'' if value is None else to_toml_value(value)}") for key, value in items]
     asked = ", ".join(option("set", one) if in_shell() else one for one in given)
     return f"{where} with {asked}" if asked else where
 

@@ -222,8 +222,12 @@ def _has(table: Table, columns: Sequence[str]) -> bool:
 
 
 def _look_up(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:
+    from swarmcensus.support.quantities import QUANTITIES
+
     for name in wanted:
         if name not in known:
             own = dict.fromkeys(getattr(one, "name", one) or key for key, one in known.items())
-            raise wrong_option("columns", name, f"{did_you_mean(name, known)}there are {', '.join(map(str, own))}")
+            is_compared = name in QUANTITIES and QUANTITIES[name].low is not None
+            hint = f"compare --metric {name} has it; " if is_compared else did_you_mean(name, known)
+            raise wrong_option("columns", name, f"{hint}there are {', '.join(map(str, own))}")
     return [known[name] for name in wanted]

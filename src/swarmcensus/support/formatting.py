@@ -62,8 +62,12 @@ def elapsed(seconds: float) -> str:
 
 def short_repr(value: Any) -> str:
     """A value as Python writes it, in a line of 60 characters at most."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return shortened(" ".join(repr(value).split()))
+
+
+def shortened(text: str) -> str:
+    """A text of 60 characters at most, the last of which is … where some are left out."""
+    return text if len(text) <= 60 else f"{text[:59]}…"
 
 
 def grouped(value: Any) -> str:

@@ -9,7 +9,7 @@ OTHER_WORDS = {  # letters of the paper, and words of other programs
     "n": "robots", "r": "observations_per_round", "rng": "seed", "steps": "rounds", "graph": "topology",
     "runs": "trials", "threads": "jobs", "gpu": "device", "cuda": "device", "summary": "show", "start": "at",
 }  # fmt: skip
-PART = 0.8  # how similar a part of a name should be, from 0 to 1
+WHOLE, PART = 0.65, 0.8  # how similar a name, and a part of one, should be, from 0 to 1
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
@@ -25,10 +25,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     matches += [n for n in names if len(plain) > 2 and n.startswith(plain)]
     parts = {part: n for n in reversed(names) for part in re.split(r"[_/.]", n)}  # of "final_error", "a/b"
     near = [n for n in names if len(n) < 2 * len(plain)]
-    similar = [(n, n) for n in difflib.get_close_matches(plain, near, n=1)]
+    similar = [(n, n) for n in difflib.get_close_matches(plain, near, n=1, cutoff=WHOLE)]
     similar += [(part, parts[part]) for part in difflib.get_close_matches(plain, parts, n=1, cutoff=PART)]
-    similar.sort(key=lambda pair: -difflib.SequenceMatcher(None, plain, pair[0]).ratio())
-    matches += [n for _, n in similar]
+    matches += [n for _, n in sorted(similar, key=lambda pair: -difflib.SequenceMatcher(None, plain, pair[0]).ratio())]
     return f"did you mean {names[matches[0]]!r}? " if matches else ""
 
 

@@ -31,7 +31,8 @@ def read_toml(text: str, where: str) -> dict[str, Any]:
             raise RecursionError
         return tables
     except tomllib.TOMLDecodeError as error:
-        raise StudyError.within(where, f"not TOML: {error}") from None
+        why = str(error).replace("Cannot overwrite a value", "a key is given twice")  # Python's words name no key
+        raise StudyError.within(where, f"not TOML: {why}") from None
     except RecursionError:
         raise StudyError.within(where, f"its keys, tables or lists are nested over {DEEPEST} deep") from None
     except ValueError:  # Python's limit
@@ -49,8 +50,7 @@ def to_toml(data: Mapping[str, Any]) -> str:
 
 def plain(value: Any) -> Any:
     """A study's tables with lists for ranges, tuples and arrays, and Python's own numbers for those of NumPy."""
-    if hasattr(value, "to_numpy"):  # of pandas and xarray
-        value = value.to_numpy()
+    value = value.to_numpy() if hasattr(value, "to_numpy") else value  # of pandas and xarray
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):
@@ -77,10 +77,8 @@ def to_toml_value(value: Any) -> str:
         value = value.item()
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, int):
-        return repr(value) if value.bit_length() < MOST_BITS else hex(value)
-    if isinstance(value, float):
-        return repr(value)
+    if isinstance(value, int | float):
+        return hex(value) if isinstance(value, int) and value.bit_length() >= MOST_BITS else repr(value)
     if isinstance(value, Mapping | BaseModel):
         return "{" + ", ".join(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(value).items()) + "}"
     if isinstance(value, list | tuple | np.ndarray):

@@ -4,6 +4,8 @@ import io
 import sys
 import threading
 import tracemalloc
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -28,10 +30,8 @@ LONG = {
 @pytest.mark.parametrize("local", [False, True])
 @pytest.mark.parametrize("seconds", [0.1, 30.0], ids=["threads", "workers of a cluster"])
 def test_some_trials_of_every_setting_come_before_more_of_any(seconds, local):
-    tables = LONG
-    if local:
-        tables = LONG | {"world": {"topology": ["ring", "full"], "fill_ratio": 0.55}, "schedule": {"rounds": 1000}}
-    settings = sc.Study(**tables).settings()
+    tables = LONG | {"world": {"topology": ["ring", "full"], "fill_ratio": 0.55}, "schedule": {"rounds": 1000}}
+    settings = sc.Study(**(tables if local else LONG)).settings()
     wanted = np.ones((len(settings), 40), np.bool_)
     tasks = plan_tasks(settings, wanted, wanted if local else None, seconds)
     seen = np.zeros((2, *wanted.shape), np.int64)
@@ -44,13 +44,6 @@ def test_some_trials_of_every_setting_come_before_more_of_any(seconds, local):
 
 
 # ---- what a person sees who waits for the compiler: one line with a count, whatever the number of brains
-class Terminal(io.StringIO):
-    """A terminal of 100 columns, as far as a bar is concerned."""
-
-    def isatty(self):
-        return True
-
-
 def waited(show, kinds=60):
     """Show how so many kinds of swarms are compiled, and then a trial that is run."""
     for k in range(kinds):
@@ -73,7 +66,8 @@ def test_compiling_many_brains_without_a_terminal(asked, monkeypatch, capsys):
 
 
 def test_compiling_bar_on_a_terminal(monkeypatch):
-    terminal = Terminal()
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv(AS_TERMINAL, "100")
     monkeypatch.setenv("TERM", "xterm")
@@ -84,6 +78,13 @@ def test_compiling_bar_on_a_terminal(monkeypatch):
     seen = terminal.getvalue()
     assert all(f"compiling {k} of 60: voter" in seen for k in range(1, 61))
     assert "60 trials" not in seen
+
+
+def test_what_is_said_of_trials_that_take_minutes(monkeypatch):
+    pace = progress._Pace()
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=iter([0.0, 25.0, 100.0]).__next__))
+    said = [pace.of(Progress(done, 3, done, 3.0)) for done in (0, 0, 1)]
+    assert said == [("", ""), ("0:25", ""), ("0.6/min", "3:20 left")]
 
 
 # ---- what a study of large swarms keeps in memory while it runs, and what it does not
@@ -102,10 +103,10 @@ def small_arrays(monkeypatch):
 
 
 def peak(settings, out):
-    """The most bytes that a run has at once, but for what lies in files; and its dataset."""
+    """The dataset of a run, and the most bytes that it has at once, but for what lies in files."""
     tracemalloc.start()
     try:
-        return tracemalloc.get_traced_memory()[1], run(crowds(settings), 1, progress=False, out=out)
+        return run(crowds(settings), 1, progress=False, out=out), tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
 
@@ -117,19 +118,19 @@ def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_arrays, tmp
     monkeypatch.setattr(shards, "OF_ELAPSED", 0.0)
     monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))
     run(crowds(1, 10), 1, progress=False)  # compiles, and imports what is imported late
-    one, _ = peak(1, tmp_path / "one.nc")
-    ten, data = peak(10, tmp_path / "ten.nc")
+    _, one = peak(1, tmp_path / "one.nc")
+    data, ten = peak(10, tmp_path / "ten.nc")
     assert ten - one < 5 * 36 * ROBOTS  # 36 bytes of results of a robot in a setting
     assert {path.name for path in tmp_path.iterdir()} == {"one.nc", "ten.nc"}
     assert sc.load(tmp_path / "ten.nc").equals(data)
-    assert sc.load(tmp_path / "one.nc").equals(sc.load(tmp_path / "ten.nc").sel(setting=[0]))
+    assert sc.load(tmp_path / "one.nc").equals(data.sel(setting=[0]))
 
 
-def test_a_folder_without_space_for_results_is_reported(small_arrays, tmp_path, monkeypatch):
-    def full(**_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(arrays.tempfile, "TemporaryFile", full)
+def test_a_folder_or_memory_without_space_is_reported(small_arrays, tmp_path, monkeypatch):
+    monkeypatch.setattr(arrays.tempfile, "TemporaryFile", Mock(side_effect=OSError(28, "No space left on device")))
     with pytest.raises(InputError, match=r"cannot keep results in .*: No space left on device"):
         run(crowds(5), 1, progress=False, out=tmp_path / "a.nc")
+    monkeypatch.setattr("os.sysconf", lambda _: 1000)
+    with pytest.raises(InputError, match="robots = 60000: their states take 0 GB of memory, and this"):
+        run(crowds(1), 1, progress=False, out=tmp_path / "a.nc")
     assert not list(tmp_path.iterdir())

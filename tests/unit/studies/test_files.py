@@ -53,7 +53,7 @@ def test_text_gives_the_same_study_again():
     (("swarm = {", 'swarm = {brain = "nobody", '), 'swarm.brain = "nobody"'),
     (('"ring"', '{name = "far", edges = [[0, 11]]}'), "edge (0, 11) of topology 'far' leads to a robot"),
     (('"ring"', '"full"'), "two entries of world.topology have one name"),
-    (("trials = 4", "trials = ["), "not TOML"),
+    (("trials = 4", "trials = 4\ntrials = 5"), "not TOML: a key is given twice (at line"),
 ])  # fmt: skip
 def test_what_is_wrong_is_named(change, said):
     assert change[0] in SMALL

@@ -124,7 +124,7 @@ class Agreement(Answer):
                      intervals=[ends_text(row.ratio, "{:.3f}".format) for row in every], interval_head="[99.9 %]",
                      meaning="measured by theory, robot by robot: its interval over trials has 1 where they agree"),
             _numbers("efficiency", [row.efficiency[0] for row in every], ".3g",
-                     meaning="bound of the whole swarm divided by the mean squared error"),
+                     meaning="bound of the whole swarm over the mean squared error (--setting shows its interval)"),
             _numbers("calibration", [row.calibration for row in every], ".5f",
                      meaning="error that wrong beliefs about b and w add to the estimate from all readings"),
             Column("limit", [row.limit or EMPTY_CELL for row in every], number=False, rank=ASKED, name="limit",

@@ -11,7 +11,6 @@ from typing import Annotated, Any, Literal, get_args
 from cyclopts import Parameter
 
 from swarmcensus.cli.help import UsageError
-from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, exclusive
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -53,7 +52,6 @@ def brains(
 
     if show is not None:
         return brain_to_check(show, wrapping).source
-    say(f"checking {check}, which is compiled for it: some seconds")
     return check_brain(str(check), wrapping=wrapping)
 
 
