@@ -177,7 +177,7 @@ call = (lambda function, *arguments: function(*arguments)) if PLAIN else _machin
 seen_as = _plain_view if PLAIN else _machine_view
 blank_state = (lambda dtype: np.zeros(1, dtype)[0]) if PLAIN else _machine_blank
 place = (lambda items, first: items.reshape(-1)[int(first) :]) if PLAIN else _machine_place
-word_at = (lambda words, k: words.reshape(-1)[int(k)]) if PLAIN else _machine_word
+word_at = (lambda words, k: np.frombuffer(words, np.uint64, 1, 8 * int(k))[0]) if PLAIN else _machine_word
 packed = (lambda group, kind: group) if PLAIN else _machine_packed
 unpacked = (lambda group, kind: group) if PLAIN else _machine_unpacked
 pass_gate = (lambda address: ctypes.CFUNCTYPE(None)(int(address))()) if PLAIN else _machine_gate
@@ -208,8 +208,8 @@ def _laid_out(given: Any) -> Iterator[tuple[Any, str, tuple[Any, ...]]]:
     else:
         one = np.asarray(given)
         array = 0, 0, one.size, one.itemsize, one.ctypes.data, *one.shape, *one.strides
-        is_array, kind = isinstance(given, np.ndarray), (one.dtype, one.ndim, one.flags.c_contiguous)
-        yield kind, f"{len(array)}q" if is_array else one.dtype.char, array if is_array else (given,)
+        kind = isinstance(given, np.ndarray), one.dtype, one.ndim, one.flags.c_contiguous
+        yield kind, f"{len(array)}q" if kind[0] else one.dtype.char, array if kind[0] else (given,)
 
 
 class Phase(NamedTuple):

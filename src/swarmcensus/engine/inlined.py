@@ -9,7 +9,7 @@ callers is up to a third slower.
 import inspect
 import operator
 import types
-from itertools import islice
+from itertools import islice, product
 from typing import Any
 
 import numba
@@ -100,21 +100,22 @@ class _Part(_Library):
         return 0
 
 
-def _of_several(compare: Any) -> Any:
-    """One of `min` and `max` of several numbers as instructions: Numba compiles a function for each kind of numbers."""
+def _of_several(its: Any, compare: Any) -> Any:
+    """`min` or `max` of several numbers as instructions: Numba compiles a function for each kind of numbers."""
 
     @intrinsic
     def chosen(typing: Any, *numbers: Any) -> Any:
         def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
             return builtins.do_minmax(context, builder, numbers, cgutils.unpack_tuple(builder, values[0]), compare)
 
-        kind = typing.unify_types(*numbers)
-        return kind and (kind(numba.types.StarArgTuple(numbers)), generate)
+        if not all(isinstance(one, (numba.types.Number, numba.types.Boolean)) for one in numbers):
+            typing.resolve_function_type(typing.resolve_value_type(its), numbers, {})  # which says that there is none
+        return (kind := typing.unify_types(*numbers)) and (kind(numba.types.StarArgTuple(numbers)), generate)
 
     return chosen
 
 
-LEAST_AND_MOST = {min: _of_several(operator.lt), max: _of_several(operator.gt)}
+LEAST_AND_MOST = {min: _of_several(min, operator.lt), max: _of_several(max, operator.gt)}
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
@@ -126,10 +127,10 @@ class _Names(untyped_passes.IRProcessing):  # type: ignore[misc]
     def run_pass(self, state: Any) -> bool:
         blocks = state.func_ir.blocks.values()
         made = {one.target.name: one for block in blocks for one in block.find_insts(ir.Assign)}
-        calls = (call for block in blocks for call in block.find_exprs("call") if len(call.args) > 1)
-        for named in (made[call.func.name] for call in calls):
-            if isinstance(named.value, ir.Global) and isinstance(named.value.value, types.BuiltinFunctionType):
-                own = LEAST_AND_MOST.get(named.value.value, named.value.value)
+        calls = [c for block in blocks for c in block.find_exprs("call") if len(c.args) > 1 and not c.kws]
+        for named, (its, own) in product((made[call.func.name] for call in calls), LEAST_AND_MOST.items()):
+            # what has a name of its own may be called in other ways, too
+            if named.target.is_temp and isinstance(named.value, ir.Global) and named.value.value is its:
                 named.value = ir.Global(named.value.name, own, named.loc)
         return bool(super().run_pass(state))
 

@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
 
 from swarmcensus.engine import code_cache
 from swarmcensus.engine.compiler import compile_helpers, compile_world
 from swarmcensus.engine.constants import HEAR_PAIRS, HELPERS
+from swarmcensus.engine.inlined import Whole
 from swarmcensus.simulation.trials import Metrics, run_batch
 
 
@@ -18,6 +20,31 @@ def test_machine_code_is_called_with_arrays_of_its_kinds_alone():
     for wrong in (rows.astype(np.float32), rows.ravel(), np.ones((3, 2)).T):
         with pytest.raises(TypeError, match="machine code is called with"):
             conclude(swarm, wrong, *others)
+    with pytest.raises(TypeError, match="machine code is called with"):  # an array of no dimensions is no number
+        conclude(swarm, rows, rows, np.array(others[1]), *others[2:])
+
+
+@pytest.mark.skipif(code_cache.not_compiled(), reason="Numba is switched off")
+def test_min_and_max_are_of_numbers_alone_as_in_numba():
+    def of_numbers(a, b):
+        most = max
+        return min(a, b, 2), max(a > b, b), most(a, b), most((a, b))
+
+    def of_arrays(a, b):
+        return min(np.array([a, b]), np.array([b, a]))
+
+    def of_tuples(a, b):
+        return max((a, b), (b, a))
+
+    def of_nothing(a, b):
+        return min(a, b, None)
+
+    machine = numba.njit(pipeline_class=Whole)
+    for pair in ((1, 3.5), (3, -1), (2.5, np.nan), (np.nan, 2.5), (True, 0)):
+        assert repr(machine(of_numbers)(*pair)) == repr(numba.njit(of_numbers)(*pair))
+    for wrong in (of_arrays, of_tuples, of_nothing):
+        with pytest.raises(numba.TypingError, match="No implementation of function"):
+            machine(wrong)(1.0, 2.0)
 
 
 def test_only_what_is_needed_of_the_engine_is_compiled():
