@@ -15,7 +15,7 @@ from pathlib import Path
 # steadfast keep their promises in worlds where they did not, and measured sensors are a spread; robots and runtime
 # calibrate sensors, and start fleets over UDP, serial ports and gateways; gpu compares each program with the CPU once
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1727, "brains": 1322, "checks": 751, "cli": 1404, "content": 3827,
+    "__init__": 8, "__main__": 1, "analysis": 1727, "brains": 1322, "checks": 751, "cli": 1403, "content": 3827,
     "engine": 3154, "evaluation": 854, "figures": 3073, "gpu": 837, "live": 1137, "results": 1233, "robots": 3570,
     "runs": 1470, "runtime": 805, "search": 1764, "simulation": 1740, "studies": 1610, "summaries": 955,
     "support": 2521, "theory": 399, "translation": 1615, "worlds": 1582,
