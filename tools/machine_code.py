@@ -94,6 +94,7 @@ def repacked(pure: Path, carried: dict[str, bytes], dist: Path) -> Path:
 
 def main(dist: str) -> None:
     """Build it into a folder."""
+    Path(dist).mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         cache, pure = Path(folder) / "cache", Path(folder) / "pure"
         cache.mkdir()
