@@ -1,7 +1,7 @@
 """Whether comparing, planning and tuning are right: python benchmarks/methods.py [QUESTION] [--quick].
 
 Comparing: how often equal contenders are told apart, which should be at most 5 %, how often those that differ are,
-beside the power of the paired t-test, and how often intervals hold the truth. Planning: plans that are run again.
+further the power of the paired t-test, and how often intervals hold the truth. Planning: plans that are run again.
 Tuning: how far from the best values a search ends. Seeds are fixed; the error of shares is stated.
 """
 
@@ -129,7 +129,7 @@ def share(p, level=0.05):
 
 @harness.question
 def verdicts(seed=1, quick=False):
-    """Differences that are 0 in the median, or mean: false verdicts; and the power that tests beside ranks cost."""
+    """Differences that are 0 in the median, or mean: false verdicts; and the power that tests next to ranks cost."""
     rows, trials = ROWS // 20 if quick else ROWS, (15, 20, 30, 40, 100, 200)
     for kinds, of in ((OFF, "medians"), (MEANS, "means")):
         head = f"false verdicts where {of} are 0, in % (by ranks alone)"
@@ -144,13 +144,13 @@ def verdicts(seed=1, quick=False):
             out.add_row(name, *cells)
         harness.show(out)
     title = "most power lost, in points (mean over effects, in % of that of ranks alone)"
-    out = harness.table(title, "tests", "beside ranks", *(f"{n} trials" for n in trials))
-    beside = {
+    out = harness.table(title, "tests", "next to ranks", *(f"{n} trials" for n in trials))
+    further = {
         "number of trials": lambda off, level: share(paired_tests(off).p, level),
         "best for any skew": lambda off, level: 100 * sign_test(off, level).mean(),
         "mean": lambda off, level: share(mean_tests(off).p, level),
     }
-    for tests, (name, power) in itertools.product((1, 36), beside.items()):
+    for tests, (name, power) in itertools.product((1, 36), further.items()):
         cells = []
         for n in trials:
             drawn = [np.random.default_rng([seed, n]).normal(off, 1, (rows // 10, n)) for off in np.arange(0.1, 2, 0.1)]
@@ -567,7 +567,7 @@ def flat(studies=20, quick=False):
 
 @harness.question
 def evaluations(quick=False):
-    """What an evaluation takes beside its trials."""
+    """What an evaluation takes further its trials."""
     out = harness.table(
         f"microseconds, on one thread, the least of {REPEATS}",
         "robots, rounds",
