@@ -1,7 +1,7 @@
 """Whether comparing, planning and tuning are right: python benchmarks/methods.py [QUESTION] [--quick].
 
 Comparing: how often equal contenders are told apart, which should be at most 5 %, how often those that differ are,
-further the power of the paired t-test, and how often intervals hold the truth. Planning: plans that are run again.
+next to the power of the paired t-test, and how often intervals hold the truth. Planning: plans that are run again.
 Tuning: how far from the best values a search ends. Seeds are fixed; the error of shares is stated.
 """
 
@@ -567,7 +567,7 @@ def flat(studies=20, quick=False):
 
 @harness.question
 def evaluations(quick=False):
-    """What an evaluation takes further its trials."""
+    """What an evaluation takes next to its trials."""
     out = harness.table(
         f"microseconds, on one thread, the least of {REPEATS}",
         "robots, rounds",

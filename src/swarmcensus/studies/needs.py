@@ -56,7 +56,7 @@ def _hides(floor: Floor, body: Body, side: float, fill_ratio: float, small: bool
     """Whether large parts of a floor differ in their shares of black, and robots may not notice.
 
     In a `small` arena all robots may stay in one patch. In others, parts may differ where tiles near each other are
-    hardly correlated, as in dithered shades. Both by numbers relative to the variance of colours, on average over trials.
+    hardly correlated, as in dithered shades. Both by numbers relative to the variance of colours, averaged over trials.
     """
     found = []
     for trial in range(TRIALS):
