@@ -196,10 +196,10 @@ def _check_share(study: Study, share: tuple[int, int]) -> None:
 
 def _check_memory(name: str, setting: Setting) -> None:
     """Raise InputError if this machine's memory cannot hold the states of a swarm."""
-    takes = setting.robots * sum(array_layout(brain).record.itemsize for brain in setting.brains)
+    takes = setting.robots * min(array_layout(brain).record.itemsize for brain in setting.brains)
     there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") if hasattr(os, "sysconf") else takes
     if takes > there:
-        why = f"their states take {takes / 1e9:,.0f} GB of memory, and this machine has {there / 1e9:,.0f} GB"
+        why = f"their states take at least {takes / 1e9:,.0f} GB of memory, and this machine has {there / 1e9:,.0f} GB"
         raise StudyError.within(f"study {name}", f"robots = {setting.robots}: {why}", "robots", setting.robots)
 
 

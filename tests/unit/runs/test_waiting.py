@@ -131,6 +131,6 @@ def test_a_folder_or_memory_without_space_is_reported(small_arrays, tmp_path, mo
     with pytest.raises(InputError, match=r"cannot keep results in .*: No space left on device"):
         run(crowds(5), 1, progress=False, out=tmp_path / "a.nc")
     monkeypatch.setattr("os.sysconf", lambda _: 1000)
-    with pytest.raises(InputError, match="robots = 60000: their states take 0 GB of memory, and this"):
+    with pytest.raises(InputError, match="robots = 60000: their states take at least 0 GB of memory, and"):
         run(crowds(1), 1, progress=False, out=tmp_path / "a.nc")
     assert not list(tmp_path.iterdir())
