@@ -205,11 +205,11 @@ def _laid_out(given: Any) -> Iterator[tuple[Any, str, tuple[Any, ...]]]:
         for one in given:
             yield from _laid_out(one)
         yield (), "0q", ()
+    elif isinstance(given, np.ndarray):
+        array = 0, 0, given.size, given.itemsize, given.ctypes.data, *given.shape, *given.strides
+        yield (given.dtype, given.ndim, given.flags.c_contiguous), f"{len(array)}q", array
     else:
-        one = np.asarray(given)
-        array = 0, 0, one.size, one.itemsize, one.ctypes.data, *one.shape, *one.strides
-        kind = isinstance(given, np.ndarray), one.dtype, one.ndim, one.flags.c_contiguous
-        yield kind, f"{len(array)}q" if kind[0] else one.dtype.char, array if kind[0] else (given,)
+        yield (kind := np.asarray(given).dtype.char), kind, (given,)
 
 
 class Phase(NamedTuple):
